@@ -38,7 +38,7 @@ fn begin(slots: &[Slot; 2]) -> Result<Estimator<f32>, ParameterError> {
         .iter()
         .filter_map(|slot| PersistentState::from_bytes(slot).ok());
     let best = states.min_by(|a, b| {
-        let variance = |state: &PersistentState| state.slow_states().scale_variance;
+        let variance = |state: &PersistentState| state.slow_states().scale.variance;
         variance(a).total_cmp(&variance(b))
     });
     if let Some(state) = best

@@ -10,7 +10,7 @@
 
 use estimator_core::roadmap::{Horizon, MapLive, MapMatch, PackedMap};
 use estimator_core::{
-    Estimator, Instant, Reading, Signal, Traction, Tuning, Value, VehicleParameters,
+    Estimator, Instant, Reading, Signal, Step, Traction, Tuning, Value, VehicleParameters,
 };
 
 /// Length of a degree of latitude, m.
@@ -30,8 +30,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut estimator = Estimator::<f32>::new(truck(), Tuning::default())?;
     for tenth in 0..300_u32 {
         drive_on(&mut estimator, tenth, start, course_deg);
-        while estimator.step().is_some() {
-            if let Some(live) = estimator.live() {
+        while let Some(step) = estimator.step() {
+            if let (Step::Moved, Some(live)) = (step, estimator.live()) {
                 follower.advance(&live);
             }
             while let Some(cell) = estimator.next_cell() {

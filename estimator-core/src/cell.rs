@@ -1,6 +1,5 @@
 //! A cell: one step of driven distance, and what the estimator says about its end.
 
-use crate::scalar::Scalar;
 use crate::time::Instant;
 
 /// Length of a cell, m; the step of the thesis.
@@ -61,6 +60,15 @@ pub struct Disagreement {
 }
 
 impl Disagreement {
+    /// Everything agrees.
+    pub const NONE: Self = Self {
+        climb: false,
+        brake: false,
+        torque: false,
+        speed: false,
+        gear: false,
+    };
+
     /// Number of kinds of disagreement.
     pub const KINDS: usize = 5;
 
@@ -115,18 +123,6 @@ impl Uncertain {
         Self {
             value: number + self.value,
             ..self
-        }
-    }
-
-    /// Returns the estimate with a variance in addition.
-    pub(crate) fn widened(self, variance: f32) -> Self {
-        if variance > 0.0 {
-            Self {
-                sigma: Scalar::sqrt(self.sigma * self.sigma + variance),
-                ..self
-            }
-        } else {
-            self
         }
     }
 

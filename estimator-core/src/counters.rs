@@ -68,45 +68,17 @@ pub struct Counters {
     pub invalid_steps: u32,
     /// Altitudes used.
     pub altitudes_used: u32,
-    /// Altitudes rejected by the gate.
+    /// Altitudes that the live filter left out: it gates them, the lagged estimate weighs them.
     pub altitudes_rejected: u32,
-    /// Of these, outliers.
-    pub altitude_outliers: u32,
+    /// Slopes that were measured directly, and used live.
+    pub slopes_used: u32,
+    /// Such slopes that the live filter left out.
+    pub slopes_rejected: u32,
     /// Speeds that differ from the prediction by more than the model allows; the speed was reset.
     pub speed_steps: u32,
-    /// Times that the accelerometer was found wrong, or that a wrong force explains the same; it is
-    /// used again once it agrees.
-    pub accelerometers_rejected: u32,
-    /// Directly measured slopes used: vertical speed, pitch.
-    pub slopes_used: u32,
-    /// Directly measured slopes that were not used, because they or their sensor disagree with the
-    /// estimate.
-    pub slopes_rejected: u32,
-    /// Cells in which the brake detector found a brake, without any brake signal.
-    pub brakes_guessed: u32,
-    /// Stops after which the variances of scale and bias were widened.
+    /// Stops after which the load may be another one.
     pub loads_reopened: u32,
-    /// Launches that showed another load than before the stop.
-    pub loads_changed: u32,
-    /// Times that the prior of the scale was reset.
-    pub scales_reopened: u32,
-    /// Times that the scale left what a vehicle can have: changes of traction mislead it.
-    pub scales_out_of_bounds: u32,
-    /// Gaps without an altitude.
-    pub altitude_gaps: u32,
-    /// Steps of the receiver's datum.
-    pub altitude_steps: u32,
-    /// Drifts of the GNSS altitude.
-    pub altitude_drifts: u32,
-    /// Of these, drifts that lasted too long for one.
-    pub altitude_drifts_believed: u32,
-    /// Times that altitudes left the climb of the forces steadily, which no receiver does.
-    pub climbs_contradicted: u32,
-    /// Steps of the slope that no road makes.
-    pub slope_steps: u32,
-    /// Times that the altitude was set from a fix.
-    pub altitude_resets: u32,
-    /// Steps with a non-finite result; the filter was restarted.
+    /// Steps with a result that is no number; the filter was restarted.
     pub restarts: u32,
 }
 

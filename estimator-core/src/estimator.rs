@@ -1,11 +1,15 @@
 //! The facade: frames and time stamps in, cells and a live estimate out.
 
+mod cell_estimator;
 mod creation;
+mod waiting;
 
-use crate::cell::{Cell, CellEnd, Disagreement, Live};
+pub use cell_estimator::CellEstimator;
+
+use crate::cell::{Cell, Live};
 use crate::context::Context;
-use crate::counters::{Counters, count, count_by};
-use crate::filter::{AltitudeEvent, Filter, ModelMass, SensorNoiseRatios, SlowStates};
+use crate::counters::Counters;
+use crate::filter::SlowStates;
 use crate::intake::{Intake, Outcome};
 use crate::model::Model;
 use crate::persistent_state::PersistentState;
@@ -13,19 +17,20 @@ use crate::sample::Sample;
 use crate::sampler::Sampler;
 use crate::scalar::Scalar;
 use crate::signal::{Reading, Signal};
-use crate::smoother::FixedLag;
 use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
 use embedded_can::Frame;
 
 /// What a step did.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Step {
-    /// The filter moved over a cell. The event is what happened to an altitude, besides its use.
-    Moved(Option<AltitudeEvent>),
-    /// The cell has no estimate: no speed was received yet, or the filter was restarted.
+    /// The filter moved over a cell.
+    Moved,
+    /// The cell has no estimate: no speed was received yet.
     Skipped,
+    /// A share of the work on the lagged estimates is done. No cell was taken.
+    Smoothed,
 }
 
 /// A grade estimator for one vehicle.
@@ -71,10 +76,7 @@ pub struct Estimator<S> {
     fingerprint: u32,
     intake: Intake,
     sampler: Sampler,
-    filter: Filter<S>,
-    lag: FixedLag<S>,
-    end: CellEnd,
-    disagreement: Disagreement,
+    chain: CellEstimator<S>,
     sample: Option<Sample>,
 }
 
@@ -105,37 +107,29 @@ impl<S: Scalar> Estimator<S> {
             .on_reading(&mut self.context, now, reading, &mut self.sampler)
     }
 
-    /// Moves the filter over one cell. Returns `None` if no cell is ready; call it until then.
+    /// Does a share of work: moves the filter over one cell, or goes on with the lagged estimates.
+    /// Returns `None` if nothing is left to do; call it until then. Each share is short.
     pub fn step(&mut self) -> Option<Step> {
+        if self.chain.work(&self.context) {
+            return Some(Step::Smoothed);
+        }
         let sample = self.sampler.move_next_to(&mut self.sample)?;
-        let record = self.filter.step(&mut self.context, sample);
-        let (Some(record), Some(state)) = (record, self.filter.state()) else {
-            return Some(Step::Skipped);
-        };
-        self.end = record.end;
-        self.disagreement = record.live_disagreement();
-        let lost = self.lag.push(&record, state);
-        count_by(&mut self.context.counters.cells_lost, lost);
-        Some(Step::Moved(record.event))
+        if self.chain.push(&mut self.context, sample) {
+            Some(Step::Moved)
+        } else {
+            Some(Step::Skipped)
+        }
     }
 
     /// Returns the estimate at the end of the newest cell; `None` before the first.
     #[must_use]
     pub fn live(&self) -> Option<Live> {
-        let (state, sample) = (self.filter.state()?, self.sample()?);
-        let mass = ModelMass::of(&self.context, sample);
-        Some(Live {
-            end: self.end,
-            estimate: state.estimate(&mass),
-            disagreement: self.disagreement,
-        })
+        self.chain.live(&self.context, self.sample()?)
     }
 
     /// Returns the next finished cell, whose lag is over.
-    #[inline(never)] // Called from several places.
     pub fn next_cell(&mut self) -> Option<Cell> {
-        let cell = self.lag.next_cell();
-        self.check_cell(cell)
+        self.chain.next_cell(&mut self.context)
     }
 
     /// Does a share of the work at the end of a drive, as long as that of [`step`](Self::step).
@@ -143,38 +137,38 @@ impl<S: Scalar> Estimator<S> {
     /// after each share; the last ones are smoothed by less than the full lag. What comes after the
     /// end of a drive starts a new chain of cells.
     pub fn drain_step(&mut self) -> bool {
-        let lost = self.lag.drain_step();
-        count_by(&mut self.context.counters.cells_lost, lost.unwrap_or(0));
-        lost.is_some()
+        self.chain.work(&self.context) || self.chain.begin_end(&mut self.context)
     }
 
     /// Returns the next of the last cells of a drive. It does all work of
     /// [`drain_step`](Self::drain_step) that the cell needs at once: for callers that are not pressed
     /// for time.
     pub fn drain_cell(&mut self) -> Option<Cell> {
-        let cell = self.lag.drain_cell();
-        self.check_cell(cell)
-    }
-
-    /// Counts a cell in which signals disagree, and one with a non-finite grade: a number type that
-    /// is too narrow for the smoothing.
-    fn check_cell(&mut self, cell: Option<Cell>) -> Option<Cell> {
-        if let Some(cell) = &cell {
-            let counters = &mut self.context.counters;
-            if !cell.lagged_consistent {
-                count(&mut counters.cells_suspect);
-            }
-            if !(cell.lagged_grade_percent.value + cell.lagged_grade_percent.sigma).is_finite() {
-                count(&mut counters.cells_unsound);
+        loop {
+            let cell = self.next_cell();
+            if cell.is_some() || !self.drain_step() {
+                return cell;
             }
         }
-        cell
     }
 
     /// Returns the sample of the last step, for a second pass over a whole run on a host.
     #[must_use]
     pub const fn sample(&self) -> Option<&Sample> {
         self.sample.as_ref()
+    }
+
+    /// Returns what an earlier drive has left; `None` without one.
+    #[must_use]
+    pub const fn known(&self) -> Option<&SlowStates> {
+        self.chain.known()
+    }
+
+    /// Returns whether brakes act that the bus does not tell, as far as this drive or an earlier one has
+    /// found.
+    #[must_use]
+    pub const fn hides_brakes(&self) -> bool {
+        self.chain.window().hides_brakes()
     }
 
     /// Returns the age of a GNSS fix when it arrives, by which fixes are placed: that which the drive
@@ -190,37 +184,20 @@ impl<S: Scalar> Estimator<S> {
     #[must_use]
     pub fn persistent_state(&self) -> Option<PersistentState> {
         let counters = self.counters();
-        let Tuning {
-            detection,
-            measurement_noise,
-            ..
-        } = self.tuning();
+        let detection = &self.tuning().detection;
         if counters.steps < detection.persist_cells
             || counters.altitudes_used < detection.persist_altitudes
         {
             return None;
         }
-        let slow = SlowStates::of(self.filter.state()?, self.sample()?.forces.mass_kg);
-        let sensors = self.filter.body_sensors(self.tuning());
+        let slow = self.chain.slow_states(self.sample()?.forces.mass_kg)?;
+        let window = self.chain.window();
         PersistentState::new(
             self.fingerprint,
-            measurement_noise,
             slow,
-            &self.noise(),
-            sensors,
+            *window.levels(),
+            window.hides_brakes(),
         )
-    }
-
-    /// Returns a filter for a second pass over this drive ([`Filter::second_pass`]).
-    #[must_use]
-    pub fn second_pass_filter<T: Scalar>(&self) -> Filter<T> {
-        self.filter.second_pass(self.tuning())
-    }
-
-    /// Returns what has been learned of the sensors' noise.
-    #[must_use]
-    pub const fn noise(&self) -> SensorNoiseRatios {
-        self.filter.noise()
     }
 
     /// Returns the counts of what happened so far.
@@ -246,48 +223,5 @@ impl<S: Scalar> Estimator<S> {
     #[must_use]
     pub const fn model(&self) -> &Model {
         &self.context.model
-    }
-}
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-    use crate::cell::Uncertain;
-    use crate::vehicle::{Traction, VehicleParameters};
-
-    #[test]
-    fn finished_cells_in_which_signals_disagree_and_unsound_ones_are_counted() {
-        let vehicle = VehicleParameters {
-            mass_kg: 19_000.0,
-            drag_area_m2: 5.2,
-            rolling_resistance: 0.008,
-            wheel_radius_m: 0.48,
-            wheel_inertia_kgm2: 60.0,
-            traction: Traction::Force,
-        };
-        let mut estimator = Estimator::<f32>::new(vehicle, Tuning::default()).unwrap();
-        let cell = |lagged_consistent| Cell {
-            end: CellEnd::default(),
-            live_grade_percent: Uncertain::default(),
-            lagged_grade_percent: Uncertain::default(),
-            altitude_m: None,
-            live_consistent: false,
-            lagged_consistent,
-        };
-        for is_consistent in [true, false, false] {
-            estimator.check_cell(Some(cell(is_consistent)));
-        }
-        estimator.check_cell(None);
-        assert_eq!(estimator.counters().cells_suspect, 2);
-        assert_eq!(estimator.counters().cells_unsound, 0);
-        let unsound = |value, sigma| Cell {
-            lagged_grade_percent: Uncertain { value, sigma },
-            ..cell(true)
-        };
-        for (value, sigma) in [(f32::NAN, 0.1), (1.0, f32::INFINITY)] {
-            estimator.check_cell(Some(unsound(value, sigma)));
-        }
-        assert_eq!(estimator.counters().cells_unsound, 2);
     }
 }

@@ -9,7 +9,7 @@
 //! Data flow in one direction, and no layer knows the one above it:
 //!
 //! ```text
-//! frame ─► signal ─► intake ─► sampler ─► sample ─► filter ─► smoother ─► cell
+//! frame ─► signal ─► intake ─► sampler ─► sample ─► filter ─► inference ─► cell
 //! ```
 //!
 //! * [`estimator`] is the facade over all of it. Most users need only [`Estimator`].
@@ -20,7 +20,8 @@
 //!   has to distrust a reading's origin.
 //! * [`sampler`] turns readings of different rates and ages into one [`Sample`] a
 //!   cell of 2.5 m. After it, time is distance: in the distance domain every equation is linear.
-//! * [`filter`] is the Kalman filter, [`smoother`] its fixed-lag smoother. Neither knows a signal.
+//! * [`filter`] is the Kalman filter with its backward step, [`inference`] decides how much each noise
+//!   counts, and smooths. Neither knows a signal.
 //! * [`vehicle`] holds parameters and force balance, [`effect`] what that balance lacks, [`model`]
 //!   both together.
 //! * [`context`] is what these parts share: the model, the [`tuning`] and the [`counters`].
@@ -41,8 +42,8 @@
 //!
 //! * **Non-finite input** never enters the state. Readings are checked, counted and rejected.
 //! * **Panics**: none, with any input.
-//! * **Cost**: a cell of 2.5 m costs one filter step and, in the mean, (lag + block) / block
-//!   smoothing steps. Each is a fixed number of operations. `firmware/budgets.csv` counts them.
+//! * **Cost**: a call of [`Estimator::step`] moves over one cell, or does a share of the smoothing
+//!   behind the vehicle. Both are bounded. `firmware/budgets.csv` counts them.
 //! * **Same input, same output**, bit for bit, on host and target with the same number type: libm
 //!   functions, no fused multiply-add, no clock.
 
@@ -68,13 +69,11 @@ pub mod model;
 pub mod packed_vehicle;
 pub mod persistent_state;
 pub mod roadmap;
-pub mod robust;
 pub mod sample;
 pub mod sampler;
 pub mod scalar;
 mod shift_in;
 pub mod signal;
-pub mod smoother;
 pub mod time;
 pub mod tuning;
 pub mod vehicle;

@@ -1,8 +1,8 @@
 //! The persistent state: what one drive leaves for the next, and its form in non-volatile memory.
 //!
-//! It holds the slow states with their covariance, and the noise of the sensors. Everything else is
-//! found again within seconds. Wind is not kept: it is another one the next day.
-//! [`crate::filter::prior`] decides how much of the persistent state the next drive starts with.
+//! It holds the slow states of the vehicle, the levels of the noises, and whether the bus tells brakes.
+//! Everything else is found again within seconds. Wind is not kept: it is another one the next day.
+//! [`crate::filter::SlowStates`] decides how much of the persistent state the next drive starts with.
 //!
 //! The stored form has [`PersistentState::LEN`] bytes. Numbers are little endian, `f32` as in
 //! IEEE 754:
@@ -10,26 +10,17 @@
 //! | offset | type | content |
 //! |---|---|---|
 //! | 0 | 4 bytes | `72 67 6b 1a`: "rgk" and a control byte |
-//! | 4 | u32 | version of this table, 2 |
+//! | 4 | u32 | version of this table, 3 |
 //! | 8 | u32 | fingerprint of the vehicle parameters: CRC-32 over them |
 //! | 12 | f32 | mass of the model, kg |
-//! | 16 | f32 | bias, % |
-//! | 20 | f32 | its variance, %² |
-//! | 24 | f32 | scale less one |
-//! | 28 | f32 | its variance |
+//! | 16 | 2 f32 | bias, %, and its variance |
+//! | 24 | 2 f32 | scale less one, and its variance |
 //! | 32 | f32 | covariance of the two, % |
-//! | 36 | f32 | white noise of a wheel speed, 1 sigma, m/s |
-//! | 40 | f32 | white noise of a GNSS altitude, 1 sigma, m |
-//! | 44 | f32 | slow error of GNSS altitude, 1 sigma, m |
-//! | 48 | f32 | offset of the accelerometer, m/s² |
-//! | 52 | f32 | its variance, (m/s²)² |
-//! | 56 | f32 | its gain, 1 |
-//! | 60 | f32 | variance of the gain |
-//! | 64 | f32 | noise of one of its readings, 1 sigma, m/s² |
-//! | 68 | 5 f32 | the same of the pitch sensor, with % for m/s² and %/(m/s²) for the gain |
-//! | 88 | u32 | CRC-32 (ISO-HDLC, as in zip and Ethernet) over the bytes before |
-//!
-//! The five numbers of a sensor that the vehicle lacks, or that the drive does not trust, are zero.
+//! | 36 | 2 f32 | slip of the driven tyres over traction per weight, and its variance |
+//! | 44 | 2 f32 | error of the retarder's factor, and its variance |
+//! | 52 | 6 f32 | learned over assumed variance of force, road, slow and fast GNSS error, altitude, speed |
+//! | 76 | u32 | 1 if brakes act that the bus does not tell, else 0 |
+//! | 80 | u32 | CRC-32 (ISO-HDLC, as in zip and Ethernet) over the bytes before |
 //!
 //! On an ECU, write the bytes when the ignition goes off, into the older of two slots: an interrupted
 //! write leaves the other slot intact. When the ignition comes on, read both slots and start with one
@@ -62,33 +53,23 @@
 //! ```
 
 use crate::cell::Uncertain;
-use crate::filter::{
-    BodySensor, BodySensors, ModelMass, SensorNoiseRatios, SlowStates, learned_sigma,
-    variance_ratio,
-};
+use crate::filter::{ModelMass, SlowState, SlowStates};
+use crate::inference::Levels;
 use crate::model::Model;
 use crate::scalar::Scalar;
-use crate::tuning::{MeasurementNoise, Prior};
+use crate::tuning::Prior;
 use crate::vehicle::{ParameterError, Traction};
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 /// First bytes of the stored form.
 const MAGIC: u32 = u32::from_le_bytes(*b"rgk\x1a");
 /// Version of the layout and of the meaning of its numbers.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Without a table: the data are short and flash is scarce.
 const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 /// Number of 32-bit words.
 const WORDS: usize = PersistentState::LEN / 4;
-/// What is stored of a sensor that is not known.
-const NO_SENSOR: BodySensor = BodySensor {
-    offset: 0.0,
-    offset_variance: 0.0,
-    gain: 0.0,
-    gain_variance: 0.0,
-    noise_sigma: 0.0,
-};
 /// Number of bytes that the checksum covers.
 const CHECKED: usize = PersistentState::LEN - 4;
 
@@ -101,33 +82,24 @@ mod possible {
     pub const BIAS: RangeInclusive<f32> = -50.0..=50.0;
     /// Scale error, 1.
     pub const SCALE: RangeInclusive<f32> = -0.9..=9.0;
-    /// Variances of bias, %², and scale, 1.
+    /// Variances of bias, %², and of the others, 1.
     pub const VARIANCE: RangeInclusive<f32> = 1e-12..=1e4;
-    /// Offset and gain of a sensor on the body, m/s² or %.
-    pub const ERROR: RangeInclusive<f32> = -50.0..=50.0;
-    /// Sigmas of the sensors, m/s, m, m/s² or %.
-    pub const SIGMA: RangeInclusive<f32> = 1e-6..=1e4;
+    /// Slip over traction per weight, and error of the retarder's factor, 1.
+    pub const FACTOR: RangeInclusive<f32> = -9.0..=9.0;
+    /// Learned over assumed variance, 1.
+    pub const LEVEL: RangeInclusive<f32> = 1e-6..=1e8;
     /// Square of the correlation. Rounding may leave it slightly above one.
     pub const CORRELATION: RangeInclusive<f32> = 0.0..=1.001;
 }
 
-/// What one drive leaves for the next: the slow states and the noise of the sensors.
+/// What one drive leaves for the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PersistentState {
     fingerprint: u32,
     slow: SlowStates,
-    sensors: SensorSigmas,
-    body: BodySensors,
-}
-
-/// Noise of the sensors as sigmas with units: the tuning may differ in the next release.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct SensorSigmas {
-    speed_mps: f32,
-    altitude_m: f32,
-    gnss_error_m: f32,
+    levels: Levels,
+    hides_brakes: bool,
 }
 
 /// Why stored data are not used.
@@ -174,28 +146,25 @@ impl From<ParameterError> for PersistentStateError {
 
 impl PersistentState {
     /// Length of the stored form, bytes.
-    pub const LEN: usize = 92;
+    pub const LEN: usize = 84;
 
     /// Creates what a drive leaves; `None` if a value could not be read back.
     pub(crate) fn new(
         fingerprint: u32,
-        tuning: &MeasurementNoise,
         slow: SlowStates,
-        noise: &SensorNoiseRatios,
-        body: BodySensors,
+        levels: Levels,
+        hides_brakes: bool,
     ) -> Option<Self> {
+        let levels = Levels {
+            wind: 1.0,
+            slope: 1.0,
+            ..levels
+        };
         let state = Self {
             fingerprint,
             slow,
-            sensors: SensorSigmas {
-                speed_mps: learned_sigma(noise.speed, tuning.speed_sigma_mps),
-                altitude_m: learned_sigma(noise.altitude, tuning.altitude_sigma_m),
-                gnss_error_m: learned_sigma(noise.gnss_error, tuning.gnss_error_sigma_m),
-            },
-            body: BodySensors {
-                accelerometer: body.accelerometer.filter(is_possible_sensor),
-                pitch: body.pitch.filter(is_possible_sensor),
-            },
+            levels,
+            hides_brakes,
         };
         state.is_possible().then_some(state)
     }
@@ -206,10 +175,16 @@ impl PersistentState {
         &self.slow
     }
 
-    /// Returns what is known of the sensors on the body.
+    /// Returns learned over assumed variances.
     #[must_use]
-    pub const fn body_sensors(&self) -> &BodySensors {
-        &self.body
+    pub const fn levels(&self) -> &Levels {
+        &self.levels
+    }
+
+    /// Returns whether brakes act that the bus does not tell.
+    #[must_use]
+    pub const fn hides_brakes(&self) -> bool {
+        self.hides_brakes
     }
 
     /// Returns the gross mass that the drive ended with, kg, as its scale says. The model must be
@@ -218,20 +193,10 @@ impl PersistentState {
     #[must_use]
     pub fn mass_kg(&self, model: &Model, tuning: &Prior) -> Uncertain {
         let scale = Uncertain {
-            value: 1.0 + self.slow.scale_error,
-            sigma: Scalar::sqrt(self.slow.scale_variance),
+            value: 1.0 + self.slow.scale.mean,
+            sigma: Scalar::sqrt(self.slow.scale.variance),
         };
         ModelMass::parameter(model, tuning, self.slow.mass_kg).gross_kg(scale)
-    }
-
-    /// Returns the noise of the sensors, relative to what this tuning assumes.
-    #[must_use]
-    pub fn noise(&self, tuning: &MeasurementNoise) -> SensorNoiseRatios {
-        SensorNoiseRatios {
-            speed: variance_ratio(self.sensors.speed_mps, tuning.speed_sigma_mps),
-            altitude: variance_ratio(self.sensors.altitude_m, tuning.altitude_sigma_m),
-            gnss_error: variance_ratio(self.sensors.gnss_error_m, tuning.gnss_error_sigma_m),
-        }
     }
 
     /// Checks that it was learned with this model.
@@ -252,35 +217,31 @@ impl PersistentState {
         let Self {
             fingerprint,
             slow,
-            sensors,
-            body,
+            levels,
+            hides_brakes,
         } = self;
-        let accelerometer = body.accelerometer.unwrap_or(NO_SENSOR);
-        let pitch = body.pitch.unwrap_or(NO_SENSOR);
         let bits = f32::to_bits;
         let words: [u32; WORDS - 1] = [
             MAGIC,
             VERSION,
             *fingerprint,
             bits(slow.mass_kg),
-            bits(slow.bias_percent),
-            bits(slow.bias_variance),
-            bits(slow.scale_error),
-            bits(slow.scale_variance),
+            bits(slow.bias.mean),
+            bits(slow.bias.variance),
+            bits(slow.scale.mean),
+            bits(slow.scale.variance),
             bits(slow.covariance),
-            bits(sensors.speed_mps),
-            bits(sensors.altitude_m),
-            bits(sensors.gnss_error_m),
-            bits(accelerometer.offset),
-            bits(accelerometer.offset_variance),
-            bits(accelerometer.gain),
-            bits(accelerometer.gain_variance),
-            bits(accelerometer.noise_sigma),
-            bits(pitch.offset),
-            bits(pitch.offset_variance),
-            bits(pitch.gain),
-            bits(pitch.gain_variance),
-            bits(pitch.noise_sigma),
+            bits(slow.tyre_slip.mean),
+            bits(slow.tyre_slip.variance),
+            bits(slow.retarder.mean),
+            bits(slow.retarder.variance),
+            bits(levels.force),
+            bits(levels.road),
+            bits(levels.slow_gnss),
+            bits(levels.fast_gnss),
+            bits(levels.altitude),
+            bits(levels.speed),
+            u32::from(*hides_brakes),
         ];
         let mut bytes = [0; Self::LEN];
         for (place, word) in bytes.chunks_exact_mut(4).zip(words) {
@@ -308,52 +269,52 @@ impl PersistentState {
         let (Ok(words), []) = (<&[[u8; 4]; WORDS]>::try_from(words), rest) else {
             return Err(PersistentStateError::Length(bytes.len()));
         };
-        let &[
-            _,
-            _,
-            fingerprint,
-            mass_kg,
-            bias_percent,
-            bias_variance,
-            scale_error,
-            scale_variance,
-            covariance,
-            speed_mps,
-            altitude_m,
-            gnss_error_m,
-            offset,
-            offset_variance,
-            gain,
-            gain_variance,
-            noise_sigma,
-            ref pitch @ ..,
-            checksum,
-        ] = words;
-        let accelerometer = [offset, offset_variance, gain, gain_variance, noise_sigma];
+        let (checksum, content) = words.split_last().unwrap_or((&[0; 4], &[]));
         let checked = bytes.get(..CHECKED).unwrap_or_default();
-        if Checksum::of(checked) != word(&checksum) {
+        if Checksum::of(checked) != word(checksum) {
             return Err(PersistentStateError::Checksum);
         }
-        let number = f32::from_le_bytes;
+        let &[_, _, fingerprint, mass_kg, ref numbers @ .., hides_brakes] =
+            <&[[u8; 4]; WORDS - 1]>::try_from(content)
+                .map_err(|_| PersistentStateError::Length(bytes.len()))?;
+        let [
+            bias,
+            bias_variance,
+            scale,
+            scale_variance,
+            covariance,
+            rest @ ..,
+        ] = numbers.map(f32::from_le_bytes);
+        let [
+            slip,
+            slip_variance,
+            retarder,
+            retarder_variance,
+            levels @ ..,
+        ] = rest;
+        let [force, road, slow_gnss, fast_gnss, altitude, speed] = levels;
+        let slow_state = |mean, variance| SlowState { mean, variance };
         let state = Self {
             fingerprint: word(&fingerprint),
             slow: SlowStates {
-                mass_kg: number(mass_kg),
-                bias_percent: number(bias_percent),
-                bias_variance: number(bias_variance),
-                scale_error: number(scale_error),
-                scale_variance: number(scale_variance),
-                covariance: number(covariance),
+                mass_kg: f32::from_le_bytes(mass_kg),
+                bias: slow_state(bias, bias_variance),
+                scale: slow_state(scale, scale_variance),
+                covariance,
+                tyre_slip: slow_state(slip, slip_variance),
+                retarder: slow_state(retarder, retarder_variance),
             },
-            sensors: SensorSigmas {
-                speed_mps: number(speed_mps),
-                altitude_m: number(altitude_m),
-                gnss_error_m: number(gnss_error_m),
+            levels: Levels {
+                force,
+                road,
+                wind: 1.0,
+                slope: 1.0,
+                slow_gnss,
+                fast_gnss,
+                altitude,
+                speed,
             },
-            body: BodySensors {
-                accelerometer: body_sensor(&accelerometer),
-                pitch: body_sensor(pitch),
-            },
+            hides_brakes: word(&hides_brakes) != 0,
         };
         if state.is_possible() {
             Ok(state)
@@ -365,51 +326,31 @@ impl PersistentState {
     /// Returns whether a drive can leave it. Ranges do not contain NaN.
     #[inline(never)] // Rare, and called from two places.
     fn is_possible(&self) -> bool {
-        let Self {
-            slow,
-            sensors,
-            body,
-            ..
-        } = self;
+        let Self { slow, levels, .. } = self;
         let correlation =
-            slow.covariance * slow.covariance / (slow.bias_variance * slow.scale_variance);
+            slow.covariance * slow.covariance / (slow.bias.variance * slow.scale.variance);
+        let variances = [slow.bias, slow.scale, slow.tyre_slip, slow.retarder];
+        let factors = [slow.tyre_slip, slow.retarder];
+        let levels = [
+            levels.force,
+            levels.road,
+            levels.slow_gnss,
+            levels.fast_gnss,
+            levels.altitude,
+            levels.speed,
+        ];
         possible::MASS.contains(&slow.mass_kg)
-            && possible::BIAS.contains(&slow.bias_percent)
-            && possible::VARIANCE.contains(&slow.bias_variance)
-            && possible::SCALE.contains(&slow.scale_error)
-            && possible::VARIANCE.contains(&slow.scale_variance)
+            && possible::BIAS.contains(&slow.bias.mean)
+            && possible::SCALE.contains(&slow.scale.mean)
             && possible::CORRELATION.contains(&correlation)
-            && possible::SIGMA.contains(&sensors.speed_mps)
-            && possible::SIGMA.contains(&sensors.altitude_m)
-            && possible::SIGMA.contains(&sensors.gnss_error_m)
-            && body.accelerometer.as_ref().is_none_or(is_possible_sensor)
-            && body.pitch.as_ref().is_none_or(is_possible_sensor)
+            && variances
+                .iter()
+                .all(|state| possible::VARIANCE.contains(&state.variance))
+            && factors
+                .iter()
+                .all(|state| possible::FACTOR.contains(&state.mean))
+            && levels.iter().all(|level| possible::LEVEL.contains(level))
     }
-}
-
-/// Returns whether a drive can leave a sensor.
-#[inline(never)] // As above.
-fn is_possible_sensor(sensor: &BodySensor) -> bool {
-    possible::ERROR.contains(&sensor.offset)
-        && possible::VARIANCE.contains(&sensor.offset_variance)
-        && possible::ERROR.contains(&sensor.gain)
-        && possible::VARIANCE.contains(&sensor.gain_variance)
-        && possible::SIGMA.contains(&sensor.noise_sigma)
-}
-
-/// Returns the sensor of such words; `None` if all of their bits are zero.
-#[inline(never)] // Called twice: flash is scarce.
-fn body_sensor(words: &[[u8; 4]; 5]) -> Option<BodySensor> {
-    let &[offset, offset_variance, gain, gain_variance, noise_sigma] = words;
-    let is_known = words.iter().any(|word| *word != [0; 4]);
-    let number = f32::from_le_bytes;
-    is_known.then(|| BodySensor {
-        offset: number(offset),
-        offset_variance: number(offset_variance),
-        gain: number(gain),
-        gain_variance: number(gain_variance),
-        noise_sigma: number(noise_sigma),
-    })
 }
 
 /// Returns a fingerprint that differs between vehicles and between edits of one: CRC-32 over all

@@ -40,13 +40,10 @@ pub struct Sample {
     /// The vehicle stood before this cell, for long or to be loaded. What was learned of its bias
     /// and scale may be wrong.
     pub after_load_change: bool,
-    /// The vehicle stood before this cell for long enough to be loaded, and nothing reports its mass.
+    /// The vehicle stood before this cell for long enough to be loaded.
     pub after_stop: bool,
     /// Whether the mass of the forces is one that the bus reported, not the parameter.
     pub mass_is_reported: bool,
-    /// Whether the torque of the powertrain stayed the same over the whole cell.
-    #[cfg_attr(feature = "serde", serde(default))]
-    pub torque_rests: bool,
     /// Rests of the torque: how long it stayed the same, and what that may have hidden.
     #[cfg_attr(feature = "serde", serde(default))]
     pub torque_rest: TorqueRest,

@@ -1,10 +1,10 @@
 //! The cost of the estimator on the board: instructions and stack for a recorded drive.
 //!
-//! The drive runs three times: through the estimator, with the calls that a program makes; through
-//! its parts, so that the filter and the smoother are counted separately; and with the map in flash.
+//! The drive runs twice: through the estimator, with the calls that a program makes; and with the map in
+//! flash.
 //! [`memory_budget`](crate::memory_budget) adds the road memory.
 
-use crate::counted::{BudgetError, create, tuning};
+use crate::counted::{BudgetError, create};
 use crate::map_region;
 use crate::memory_budget::{FLASH_BYTES, MemoryBudget};
 use crate::meter::{CountTally, InstructionMeter, depth};
@@ -12,13 +12,12 @@ use crate::on_map::OnMap;
 use crate::recorded::{Recorded, Unusable};
 use core::fmt;
 use core::mem::MaybeUninit;
-use estimator_core::filter::{Filter, SensorNoiseRatios};
-use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, FixedLag, LAG_CELLS};
-use estimator_core::{Context, Estimator, Instant, Intake, Sampler, Scalar, Step};
+use estimator_core::inference::window::WINDOW_CELLS;
+use estimator_core::{Estimator, Instant, Sample, Scalar, Step};
 use static_cell::StaticCell;
 
-/// Number of steps until the lag is full and each new block of cells finishes another block.
-const FILLING_STEPS: u32 = (LAG_CELLS + BLOCK_CELLS) as u32;
+/// Number of steps until the window is full.
+const FILLING_STEPS: u32 = WINDOW_CELLS as u32;
 
 /// The counts of one scalar type.
 #[derive(Clone, Copy, Debug, Default)]
@@ -29,14 +28,18 @@ pub struct Budget {
     stack_bytes: usize,
     ignored_frame: CountTally,
     relevant_frame: CountTally,
-    /// A call of `step` and the cells fetched after it.
-    cell: CountTally,
-    /// A filter step with both measurements.
-    full_step: CountTally,
-    /// A filter step with any measurements.
+    /// A call of `step` that moves over a cell.
     step: CountTally,
-    /// The work of the smoother for a cell when the lag is full.
+    /// The same with both measurements.
+    full_step: CountTally,
+    /// A call of `step` that does a share of the smoothing.
+    share: CountTally,
+    /// The fetching of a finished cell.
+    fetch: CountTally,
+    /// The smoothing that follows a cell when the window is full.
     lag: CountTally,
+    /// All calls of a cell.
+    cell: CountTally,
     /// The live estimate.
     live: CountTally,
     on_map_bytes: usize,
@@ -49,7 +52,7 @@ pub struct Budget {
     ahead: CountTally,
     /// What the drive leaves for the next one, as bytes.
     persistent_state: CountTally,
-    /// A share of the work at the end of the drive, and the cells fetched after it.
+    /// A share of the work at the end of the drive.
     drain: CountTally,
     memory: MemoryBudget,
 }
@@ -73,7 +76,6 @@ pub fn run<S: Scalar>(
     };
     let place = place.uninit();
     budget.through_estimator(meter, place, None)?;
-    budget.through_parts::<S>(meter)?;
     let mut on_map = OnMap::new(map_region::open().map_err(BudgetError::Map)?);
     let mut with_map = Budget::default();
     with_map.through_estimator(meter, place, Some(&mut on_map))?;
@@ -136,12 +138,9 @@ impl Budget {
         })?;
         self.persistent_state.add(count);
         loop {
-            let (moved, count) = meter.count(|| {
-                let moved = estimator.drain_step();
-                while estimator.next_cell().is_some() {}
-                moved
-            })?;
+            let (moved, count) = meter.count(|| estimator.drain_step())?;
             self.drain.add(count);
+            self.fetch(meter, estimator)?;
             if !moved {
                 return Ok(());
             }
@@ -163,17 +162,52 @@ impl Budget {
             self.relevant_frame.add(count);
         }
         loop {
-            let (moved, count) = meter.count(|| {
-                let moved = estimator.step().is_some();
-                while estimator.next_cell().is_some() {}
-                moved
-            })?;
-            if !moved {
-                return Ok(());
+            let (step, count) = meter.count(|| estimator.step())?;
+            self.fetch(meter, estimator)?;
+            match step {
+                None => return Ok(()),
+                Some(Step::Smoothed) => self.share(count),
+                Some(Step::Moved | Step::Skipped) => self.moved(count, estimator.sample()),
             }
-            self.cell.add(count);
             let (_, count) = meter.count(|| estimator.live())?;
             self.live.add(count);
+        }
+    }
+
+    /// Counts the fetching of each finished cell.
+    fn fetch<S: Scalar>(
+        &mut self,
+        meter: &mut InstructionMeter,
+        estimator: &mut Estimator<S>,
+    ) -> Result<(), BudgetError> {
+        loop {
+            let (cell, count) = meter.count(|| estimator.next_cell())?;
+            if cell.is_none() {
+                return Ok(());
+            }
+            self.fetch.add(count);
+            if self.step.calls() > FILLING_STEPS {
+                self.cell.add_to_last(count);
+            }
+        }
+    }
+
+    fn moved(&mut self, count: u32, sample: Option<&Sample>) {
+        self.step.add(count);
+        if sample.is_some_and(|sample| sample.speed.is_some() && sample.altitude.is_some()) {
+            self.full_step.add(count);
+        }
+        if self.step.calls() > FILLING_STEPS {
+            self.lag.add(0);
+            self.cell.add(count);
+        }
+    }
+
+    fn share(&mut self, count: u32) {
+        self.share.add(count);
+        if self.step.calls() > FILLING_STEPS {
+            self.lag.add_to_last(count);
+            self.cell.add_to_last(count);
         }
     }
 
@@ -187,7 +221,7 @@ impl Budget {
         let Some(step) = estimator.step() else {
             return Ok(false);
         };
-        if let (Step::Moved(_), Some(live)) = (step, estimator.live()) {
+        if let (Step::Moved, Some(live)) = (step, estimator.live()) {
             let (_, count) = meter.count(|| on_map.advance(&live))?;
             self.map_step.add(count);
             let (_, count) = meter.count(|| on_map.next_part(&live))?;
@@ -205,62 +239,14 @@ impl Budget {
         let calls = [
             &self.ignored_frame,
             &self.relevant_frame,
-            &self.cell,
+            &self.step,
+            &self.share,
+            &self.fetch,
             &self.live,
             &self.persistent_state,
             &self.drain,
         ];
         calls.map(CountTally::worst).into_iter().max().unwrap_or(0)
-    }
-
-    /// Counts the filter and the smoother separately, on the same drive.
-    fn through_parts<S: Scalar>(
-        &mut self,
-        meter: &mut InstructionMeter,
-    ) -> Result<(), BudgetError> {
-        let (model, mut drive) = Recorded::open()?;
-        let mut context = Context::new(model, tuning()).map_err(Unusable::Vehicle)?;
-        let mut intake = Intake::new(&context.tuning);
-        let mut sampler = Sampler::new();
-        let mut filter = Filter::<S>::new(&context.tuning, &SensorNoiseRatios::default(), None);
-        let mut lag = FixedLag::<S>::new();
-        let mut steps = 0;
-        // Whole blocks only. The work is at the end of a block, so the mean over a part of it would
-        // be wrong.
-        let mut block_of_lag = CountTally::default();
-        loop {
-            let block = drive.next_block()?;
-            if block.len() == 0 {
-                return Ok(());
-            }
-            for frame in block {
-                let (time, frame) = frame?;
-                intake.on_frame(&mut context, time, &frame, &mut sampler);
-                while let Some(sample) = sampler.next_sample() {
-                    let (record, count) = meter.count(|| filter.step(&mut context, &sample))?;
-                    self.step.add(count);
-                    let (Some(record), Some(state)) = (record, filter.state()) else {
-                        continue;
-                    };
-                    let updates = &record.smoother_input;
-                    if updates.speed.is_some() && updates.altitude().is_some() {
-                        self.full_step.add(count);
-                    }
-                    let (_, count) = meter.count(|| {
-                        lag.push(&record, state);
-                        while lag.next_cell().is_some() {}
-                    })?;
-                    steps += 1;
-                    if steps > FILLING_STEPS {
-                        block_of_lag.add(count);
-                    }
-                    if block_of_lag.calls() == BLOCK_CELLS as u32 {
-                        self.lag.add_all(&block_of_lag);
-                        block_of_lag = CountTally::default();
-                    }
-                }
-            }
-        }
     }
 }
 
@@ -280,13 +266,14 @@ impl fmt::Display for Budget {
             ("relevant_frame", &self.relevant_frame),
             ("full_step", &self.full_step),
             ("step", &self.step),
-            ("lag", &self.lag),
-            ("cell", &self.cell),
+            ("share", &self.share),
             ("live", &self.live),
         ] {
             writeln!(f, "{name}_mean {}", tally.mean())?;
             writeln!(f, "{name}_worst {}", tally.worst())?;
         }
+        writeln!(f, "lag_mean {}", self.lag.mean())?;
+        writeln!(f, "cell_mean {}", self.cell.mean())?;
         writeln!(f, "persistent_state {}", self.persistent_state.worst())?;
         writeln!(f, "drain_worst {}", self.drain.worst())?;
         writeln!(f, "call_worst {}", self.worst_call())?;

@@ -92,7 +92,7 @@ impl MemoryBudget {
         let Some(step) = estimator.step() else {
             return Ok(false);
         };
-        if let (Step::Moved(_), Some(live)) = (step, estimator.live()) {
+        if let (Step::Moved, Some(live)) = (step, estimator.live()) {
             let (_, count) = meter.count(|| memory.advance(&live))?;
             self.step.add(count);
         }

@@ -64,7 +64,7 @@ pub fn run() -> Result<(), ReplayError> {
             estimator.on_frame(time, &frame);
             while let Some(step) = estimator.step() {
                 log_estimate(estimator, step);
-                if let (Some(road), Step::Moved(_)) = (&mut road, step) {
+                if let (Some(road), Step::Moved) = (&mut road, step) {
                     road.advance(estimator)?;
                 }
                 while let Some(cell) = estimator.next_cell() {
@@ -96,12 +96,9 @@ pub fn run() -> Result<(), ReplayError> {
     Ok(())
 }
 
-/// Logs the estimate each kilometre, and an event of the altitude gate.
+/// Logs the estimate each kilometre.
 fn log_estimate(estimator: &Estimator<f32>, step: Step) {
-    if let Step::Moved(Some(event)) = step {
-        defmt::warn!("altitude: {}", event);
-    }
-    if let Some(live) = estimator.live()
+    if let Some(live) = estimator.live().filter(|_| step == Step::Moved)
         && live.end.cell % CELLS_PER_KM == 0
     {
         defmt::info!("{}", live);

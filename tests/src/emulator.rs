@@ -160,7 +160,7 @@ pub fn on_host_with_map(model: &Model, frames: &[TimedFrame], map: PackedMap<'_>
     for timed in frames {
         estimator.on_frame(timed.time, &timed.frame);
         while let Some(step) = estimator.step() {
-            if let (Step::Moved(_), Some(live)) = (step, estimator.live()) {
+            if let (Step::Moved, Some(live)) = (step, estimator.live()) {
                 on_map.advance(&live);
                 bytes.extend(on_map::encode::<RecordedFrame>(&mut on_map, &live));
             }

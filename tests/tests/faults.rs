@@ -5,7 +5,7 @@ use cross_tests::faults::catalogue::{FaultKind, catalogue};
 use cross_tests::faults::drive::{DAY_LAPS, drive, lap};
 use cross_tests::faults::frames::pgn;
 use embedded_can::{Frame, Id};
-use estimator_core::{Estimator, Instant, Tuning};
+use estimator_core::{Estimator, Instant, Step, Tuning};
 use host_sim::numeric::series::linear;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 
@@ -134,7 +134,10 @@ fn drives_without_a_stop(days: usize) {
             let since_s = time.since(first).micros() as f64 * 1e-6;
             let now = Instant::from_micros(((start_s + since_s) * 1e6) as u64);
             estimator.on_frame(now, frame);
-            while estimator.step().is_some() {
+            while let Some(step) = estimator.step() {
+                if step != Step::Moved {
+                    continue;
+                }
                 let live = estimator.live().unwrap();
                 let at_s = live.end.time.micros() as f64 * 1e-6 - start_s;
                 let Some(grade_percent) = linear(&truth, at_s).filter(|_| at_s > 60.0) else {

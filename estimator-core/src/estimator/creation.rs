@@ -1,15 +1,12 @@
 //! The creation of an estimator, on a host by value, on a controller in the memory that it stays in.
 
-use super::Estimator;
-use crate::cell::{CellEnd, Disagreement};
+use super::{CellEstimator, Estimator};
 use crate::context::Context;
-use crate::filter::{Filter, SensorNoiseRatios};
 use crate::intake::Intake;
 use crate::model::Model;
 use crate::persistent_state::{PersistentState, PersistentStateError, fingerprint};
 use crate::sampler::Sampler;
 use crate::scalar::Scalar;
-use crate::smoother::FixedLag;
 use crate::tuning::Tuning;
 use crate::vehicle::{ParameterError, Traction, VehicleParameters};
 use core::mem::MaybeUninit;
@@ -91,10 +88,7 @@ impl<S: Scalar> Estimator<S> {
     /// with other parameters. The estimator is unchanged then.
     pub fn resume(&mut self, state: &PersistentState) -> Result<(), PersistentStateError> {
         state.check_model(self.model())?;
-        let tuning = &self.context.tuning;
-        let noise = state.noise(&tuning.measurement_noise);
-        self.filter
-            .resume(tuning, &noise, *state.slow_states(), state.body_sensors());
+        self.chain.resume(&self.context, state);
         Ok(())
     }
 
@@ -119,10 +113,7 @@ impl<S: Scalar> Estimator<S> {
             fingerprint: 0,
             intake: Intake::new(tuning),
             sampler: Sampler::new(),
-            filter: Filter::new(tuning, &SensorNoiseRatios::default(), None),
-            lag: FixedLag::new(),
-            end: CellEnd::default(),
-            disagreement: Disagreement::default(),
+            chain: CellEstimator::new(),
             sample: None,
         }
     }

@@ -1,66 +1,78 @@
-//! What a drive leaves of the sensors that are fixed to the body and feel the slope.
+//! Accelerometer and pitch sensor: what they read beside the force balance.
 //!
-//! A mounting angle outlasts a drive, and so do the springs of the body. What is learned of a sensor
-//! is relative to the slow error of the force model, which is another one on the next day. So a drive
-//! leaves the offset of the sensor itself, o = c + u (b + w) with the sensor's unit u of a slope of
-//! 1 %, and the next drive takes its own b + w from it. The variances add up: what bias and wind have
-//! in common with the offset is not kept.
+//! Both read the slope with an offset that no other signal tells from the model's bias. The offset is
+//! therefore a running mean of what they read beyond the force balance where that holds. Where the
+//! force is not known (shifts, brakes, a silent engine), they stand in for it.
 
-/// A sensor on the body: an accelerometer (unit m/s²), or a pitch sensor (unit % of slope).
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct BodySensor {
-    /// Reading at rest on a level road, in the sensor's unit.
-    pub offset: f32,
-    /// Its variance.
-    pub offset_variance: f32,
-    /// What the reading gains with the specific force because the body pitches under it: as a part of
-    /// that force (accelerometer), or in % for 1 m/s² (pitch).
-    pub gain: f32,
-    /// Its variance.
-    pub gain_variance: f32,
-    /// Noise of one reading, 1 sigma, in the sensor's unit.
-    pub noise_sigma: f32,
-}
+use crate::scalar::Scalar;
+use crate::tuning::Numbers;
 
-/// What a drive knows of them; `None` of one that it lacks or does not trust.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct BodySensors {
-    /// The accelerometer along the vehicle.
-    pub accelerometer: Option<BodySensor>,
-    /// The pitch sensor.
-    pub pitch: Option<BodySensor>,
+/// Cells of the mean of a moment, 20 m.
+const MOMENT_CELLS: f32 = 8.0;
+/// Cells from which on the offset is known, 250 m.
+const KNOWN_CELLS: f32 = 100.0;
+
+/// A sensor on the body, beside the force balance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BodySensor {
+    /// Mean of what the sensor reads beyond the force balance, %.
+    offset_percent: f32,
+    /// Mean of the squared difference from it in a cell, %².
+    variance: f32,
+    /// The mean of the moment less the offset, %.
+    moment_percent: f32,
+    /// Cells so far, up to those of the memory.
+    cells: f32,
 }
 
 impl BodySensor {
-    /// Returns it with the offset moved by a value with a variance, both in the sensor's unit.
-    pub(super) fn moved(self, value: f32, variance: f32) -> Self {
+    pub(super) const fn new() -> Self {
         Self {
-            offset: self.offset + value,
-            offset_variance: self.offset_variance + variance,
-            ..self
+            offset_percent: 0.0,
+            variance: 1.0,
+            moment_percent: 0.0,
+            cells: 0.0,
+        }
+    }
+
+    /// Takes what the sensor reads in a cell in which the force balance holds, and what that reads, %.
+    pub(super) fn compare(&mut self, numbers: &Numbers, sensor_percent: f32, model_percent: f32) {
+        let difference = sensor_percent - model_percent;
+        if !difference.is_finite() {
+            return;
+        }
+        self.cells = Scalar::min(self.cells + 1.0, numbers.body_sensor_cells);
+        let error = difference - self.offset_percent;
+        self.moment_percent += (error - self.moment_percent) / MOMENT_CELLS;
+        // What one of the two has wrong is no offset.
+        let part = if self.disagrees() > 0.0 { 0.1 } else { 1.0 };
+        self.offset_percent += part * error / self.cells;
+        let bounded = Scalar::min(error.squared(), 25.0 * self.variance);
+        self.variance += part * (bounded - self.variance) / self.cells;
+    }
+
+    /// Returns the slope that the sensor reads, %, and the variance of a cell's reading; `None` while
+    /// its offset is unknown.
+    pub(super) fn slope(&self, sensor_percent: f32) -> Option<(f32, f32)> {
+        let is_known = self.cells >= KNOWN_CELLS;
+        is_known.then_some((sensor_percent - self.offset_percent, self.variance))
+    }
+
+    /// Returns by how much sensor and force balance disagree at the moment, %; zero where their noise
+    /// explains it.
+    pub(super) fn disagrees(&self) -> f32 {
+        let moment = self.moment_percent.abs();
+        let usual = Scalar::sqrt(self.variance / MOMENT_CELLS);
+        let is_known = self.cells >= KNOWN_CELLS;
+        if is_known && moment > Scalar::max(LEAST_PERCENT, SIGMAS * usual) {
+            moment
+        } else {
+            0.0
         }
     }
 }
 
-/// What the offset of a sensor is counted from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum OffsetOrigin {
-    /// The slow error of this drive's model: learned beside it.
-    Model,
-    /// A level road: left by an earlier drive.
-    LevelRoad,
-}
-
-impl OffsetOrigin {
-    /// Returns what a drive leaves of a sensor. `model_error` is the slow error of its model with its
-    /// variance, in the sensor's unit.
-    pub(super) fn kept(self, learned: BodySensor, model_error: (f32, f32)) -> BodySensor {
-        let (error, variance) = model_error;
-        match self {
-            Self::Model => learned.moved(error, variance),
-            Self::LevelRoad => learned,
-        }
-    }
-}
+/// Difference that is no disagreement, %: body and driveline take it up.
+const LEAST_PERCENT: f32 = 0.7;
+/// Sigmas of the usual difference beyond which there is one.
+const SIGMAS: f32 = 6.0;

@@ -1,220 +1,177 @@
-//! How the states move over one cell, without noise and input: the transition matrix F.
-//!
-//! F is a handful of shears, `x_i += factor * x_j`, and of factors on single states. Each acts on a
-//! vector or, by rows and columns, on a symmetric matrix. Written so, a step costs a fraction of
-//! two dense products.
+//! How the states move over one cell: the transition matrix F as elementary shears.
 
-use super::covariance::Covariance;
-use super::quantity::Quantity;
-use super::state::State;
+use super::covariance::{Covariance, StateVector};
 use super::state_index::StateIndex::{
-    Altitude, Bias, GnssError, KineticEnergy, Scale, Slope, SlopeRate, Wind,
+    self, Altitude, Bias, DoubtfulForce, FastGnssError, KineticEnergy, Retarder, Scale, Slope,
+    SlopeRate, SlowGnssError, Wind,
 };
-use super::state_index::{StateIndex, StateVector};
+use crate::cell::CELL_LENGTH_M;
 use crate::scalar::Scalar;
 
-/// Coefficients of F. The smoother needs no more of them.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Coefficients of F.
+#[derive(Clone, Copy, Debug)]
 pub struct Dynamics<S> {
-    /// Half the length of the step, m.
-    pub(crate) half_length: S,
-    /// Part of the kinetic energy that air resistance leaves, 1.
-    pub(crate) keep_energy: S,
-    /// Net traction at the end of the cell, % ([`State::net_traction`]).
-    pub(crate) net_traction: S,
-    /// Part of its change that no road can have caused, %.
-    pub(crate) traction_jump: S,
+    /// Fraction of the kinetic energy that air resistance leaves, 1.
+    pub keep_energy: S,
     /// Specific weight times length, m²/s² for 1 % of slope.
-    pub(crate) gravity: S,
-    /// Part of the slope rate that is left after the cell, 1.
-    pub(crate) keep_slope_rate: S,
-    /// Part of the bias that is left, 1.
-    pub(crate) keep_bias: S,
-    /// Part of the wind that is left, 1.
-    pub(crate) keep_wind: S,
-    /// Part of the coloured GNSS error that is left, 1.
-    pub(crate) keep_gnss_error: S,
+    pub gravity: S,
+    /// Net traction, %: the slope that an error of the scale amounts to.
+    pub net_traction: S,
+    /// Change of the net traction that no road can have caused, %.
+    pub traction_jump: S,
+    /// Force of the retarder as a slope, %.
+    pub retarder: S,
+    /// Its change since the last cell, %.
+    pub retarder_step: S,
+    /// Fraction of the slope rate that is left after the cell.
+    pub keep_slope_rate: S,
+    /// Fraction of the bias that is left.
+    pub keep_bias: S,
+    /// Fraction of the wind that is left.
+    pub keep_wind: S,
+    /// Fraction of the slow GNSS error that is left.
+    pub keep_slow_gnss_error: S,
+    /// Fraction of the fast GNSS error that is left.
+    pub keep_fast_gnss_error: S,
+    /// Whether the doubtful force ends before this cell.
+    pub ends_doubt: bool,
 }
 
-impl<S: Scalar> Dynamics<S> {
-    /// Returns the dynamics of a cell before which the vehicle lost its net traction, %
-    /// ([`State::release_traction`]).
-    pub(super) fn after_release(&self, net_traction: S) -> Self {
-        Self {
-            traction_jump: self.traction_jump - net_traction,
-            ..*self
-        }
-    }
-
-    /// Applies F to mean and covariance.
-    #[inline]
-    pub(super) fn forward(&self, state: &mut State<S>) {
-        self.forward_on(&mut state.mean);
-        self.forward_on(&mut state.covariance);
-        state.net_traction = self.net_traction;
-    }
-
-    /// Applies F to a vector.
-    #[inline]
-    pub(crate) fn forward_vector(&self, vector: &mut StateVector<S>) {
-        self.forward_on(vector);
-    }
-
-    /// Applies F' to an adjoint vector.
-    #[inline]
-    pub(crate) fn transpose_vector(&self, vector: &mut StateVector<S>) {
-        self.transpose_on(vector);
-    }
-
-    /// Applies F' Λ F to an information matrix.
-    #[inline]
-    pub(crate) fn transpose_matrix(&self, information: &mut Covariance<S>) {
-        self.transpose_on(information);
-    }
-
-    // Written out instead of loops, so that the compiler knows every index. Otherwise it computes
-    // positions in the packed triangle again and again, and checks them.
-
-    #[inline(always)]
-    fn forward_on(&self, target: &mut impl Sheared<S>) {
-        if self.has_jump() {
-            target.shear(self.traction_step());
-        }
-        target.shear(self.half_turn());
-        target.shear(self.weight());
-        target.climb(self.climb(), self.net_traction);
-        target.shear(self.half_turn());
-        self.decay_on(target);
-    }
-
-    #[inline(always)]
-    fn transpose_on(&self, target: &mut impl Sheared<S>) {
-        let climb = self.climb();
-        self.decay_on(target);
-        target.shear(self.half_turn().transposed());
-        target.shear(Shear(Scale, Altitude, climb * self.net_traction));
-        target.shear(Shear(Wind, Altitude, -climb));
-        target.shear(Shear(Bias, Altitude, -climb));
-        target.shear(Shear(Slope, Altitude, climb));
-        target.shear(self.weight().transposed());
-        target.shear(self.half_turn().transposed());
-        if self.has_jump() {
-            target.shear(self.traction_step().transposed());
-        }
-    }
-
-    /// Returns whether the traction changed faster than a road bends, which is rare.
-    #[inline(always)]
-    fn has_jump(&self) -> bool {
-        self.traction_jump != S::ZERO
-    }
-
-    #[inline(always)]
-    fn decay_on(&self, target: &mut impl Sheared<S>) {
-        let [a, b, c, d, e] = self.decays();
-        target.scale(a);
-        target.scale(b);
-        target.scale(c);
-        target.scale(d);
-        target.scale(e);
-    }
-
-    /// The slope that the model reads steps by the scale's error.
-    #[inline(always)]
-    fn traction_step(&self) -> Shear<S> {
-        Shear(Slope, Scale, -self.traction_jump)
-    }
-
-    /// The slope turns: half of it in the middle of the cell, so that energy and altitude see it.
-    #[inline(always)]
-    fn half_turn(&self) -> Shear<S> {
-        Shear(Slope, SlopeRate, self.half_length)
-    }
-
-    /// The weight works along the slope that the model reads.
-    #[inline(always)]
-    fn weight(&self) -> Shear<S> {
-        Shear(KineticEnergy, Slope, -self.gravity)
-    }
-
-    /// Returns the climb over the cell on a slope of 1 %, m.
-    #[inline(always)]
-    fn climb(&self) -> S {
-        self.half_length * S::from_f32(0.02)
-    }
-
-    /// Returns the diagonal entries that are not one.
-    ///
-    /// They act after the shears: air resistance takes its part of the whole work of the weight, not
-    /// of half of it, and none of the work of the other forces. The part is some thousandth in a
-    /// cell, which is negligible.
-    #[inline(always)]
-    fn decays(&self) -> [(StateIndex, S); 5] {
-        [
-            (KineticEnergy, self.keep_energy),
-            (SlopeRate, self.keep_slope_rate),
-            (Bias, self.keep_bias),
-            (Wind, self.keep_wind),
-            (GnssError, self.keep_gnss_error),
-        ]
-    }
-}
-
-/// The shear `x_i += factor * x_j`.
-#[derive(Clone, Copy)]
-struct Shear<S>(StateIndex, StateIndex, S);
-
-impl<S> Shear<S> {
-    #[inline(always)]
-    fn transposed(self) -> Self {
-        let Self(i, j, factor) = self;
-        Self(j, i, factor)
-    }
-}
+const HALF_LENGTH_M: f32 = 0.5 * CELL_LENGTH_M;
+/// Climb over the cell on a slope of 1 %, m.
+const CLIMB_M: f32 = 0.01 * CELL_LENGTH_M;
 
 /// What F acts on: a vector, or a symmetric matrix by rows and columns.
 trait Sheared<S> {
-    fn shear(&mut self, shear: Shear<S>);
-    /// Applies `altitude += factor * slope of the road` ([`Quantity::Slope`]): four shears in one.
-    fn climb(&mut self, factor: S, net_traction: S);
-    /// Applies `x_i *= factor`.
-    fn scale(&mut self, decay: (StateIndex, S));
+    fn shear(&mut self, i: StateIndex, j: StateIndex, factor: S);
+    fn scale(&mut self, i: StateIndex, factor: S);
+    fn clear(&mut self, i: StateIndex);
 }
 
 impl<S: Scalar> Sheared<S> for StateVector<S> {
     #[inline(always)]
-    fn shear(&mut self, Shear(i, j, factor): Shear<S>) {
-        let source = self[j];
-        self[i].add_product(factor, &source);
+    fn shear(&mut self, i: StateIndex, j: StateIndex, factor: S) {
+        let source = self[j as usize];
+        self[i as usize].add_product(factor, &source);
     }
 
     #[inline(always)]
-    fn climb(&mut self, factor: S, net_traction: S) {
-        let slope = Quantity::Slope.of(net_traction, |state| self[state]);
-        self[Altitude] += factor * slope;
+    fn scale(&mut self, i: StateIndex, factor: S) {
+        self[i as usize] *= factor;
     }
 
     #[inline(always)]
-    fn scale(&mut self, (i, factor): (StateIndex, S)) {
-        self[i] *= factor;
+    fn clear(&mut self, i: StateIndex) {
+        self[i as usize] = S::ZERO;
     }
 }
 
 impl<S: Scalar> Sheared<S> for Covariance<S> {
     #[inline(always)]
-    fn shear(&mut self, Shear(i, j, factor): Shear<S>) {
+    fn shear(&mut self, i: StateIndex, j: StateIndex, factor: S) {
         Self::shear(self, i, j, factor);
     }
 
     #[inline(always)]
-    fn climb(&mut self, factor: S, net_traction: S) {
-        let cross = Quantity::Slope.cross(net_traction, self);
-        let variance = Quantity::Slope.of(net_traction, |state| cross[state]);
-        self.shear_by(Altitude, factor, &cross, variance);
+    fn scale(&mut self, i: StateIndex, factor: S) {
+        Self::scale(self, i, factor);
     }
 
     #[inline(always)]
-    fn scale(&mut self, (i, factor): (StateIndex, S)) {
-        Self::scale(self, i, factor);
+    fn clear(&mut self, i: StateIndex) {
+        Self::clear(self, i);
+    }
+}
+
+impl<S: Scalar> Dynamics<S> {
+    /// Applies F to mean and covariance.
+    #[inline(always)]
+    pub fn forward(&self, mean: &mut StateVector<S>, covariance: &mut Covariance<S>) {
+        self.forward_on(mean);
+        self.forward_on(covariance);
+    }
+
+    /// Applies F to a vector.
+    pub fn forward_vector(&self, vector: &mut StateVector<S>) {
+        self.forward_on(vector);
+    }
+
+    /// Applies F' to an adjoint vector, and F' N F to its information matrix.
+    #[inline(always)]
+    pub fn transpose(&self, vector: &mut StateVector<S>, information: &mut Covariance<S>) {
+        self.transpose_on(vector);
+        self.transpose_on(information);
+    }
+
+    #[inline(always)]
+    fn forward_on(&self, target: &mut impl Sheared<S>) {
+        if self.ends_doubt {
+            target.shear(Slope, DoubtfulForce, -S::ONE);
+            target.clear(DoubtfulForce);
+        }
+        if self.traction_jump != S::ZERO {
+            target.shear(Slope, Scale, -self.traction_jump);
+        }
+        if self.retarder_step != S::ZERO {
+            target.shear(Slope, Retarder, self.retarder_step);
+        }
+        let half = S::from_f32(HALF_LENGTH_M);
+        let climb = S::from_f32(CLIMB_M);
+        target.shear(Slope, SlopeRate, half);
+        target.shear(KineticEnergy, Slope, -self.gravity);
+        target.shear(Altitude, Slope, climb);
+        target.shear(Altitude, Bias, -climb);
+        target.shear(Altitude, Wind, -climb);
+        if !self.ends_doubt {
+            target.shear(Altitude, DoubtfulForce, -climb);
+        }
+        target.shear(Altitude, Scale, climb * self.net_traction);
+        if self.retarder != S::ZERO {
+            target.shear(Altitude, Retarder, -(climb * self.retarder));
+        }
+        target.shear(Slope, SlopeRate, half);
+        self.decay_on(target);
+    }
+
+    #[inline(always)]
+    fn transpose_on(&self, target: &mut impl Sheared<S>) {
+        let half = S::from_f32(HALF_LENGTH_M);
+        let climb = S::from_f32(CLIMB_M);
+        self.decay_on(target);
+        target.shear(SlopeRate, Slope, half);
+        if self.retarder != S::ZERO {
+            target.shear(Retarder, Altitude, -(climb * self.retarder));
+        }
+        target.shear(Scale, Altitude, climb * self.net_traction);
+        if !self.ends_doubt {
+            target.shear(DoubtfulForce, Altitude, -climb);
+        }
+        target.shear(Wind, Altitude, -climb);
+        target.shear(Bias, Altitude, -climb);
+        target.shear(Slope, Altitude, climb);
+        target.shear(Slope, KineticEnergy, -self.gravity);
+        target.shear(SlopeRate, Slope, half);
+        if self.retarder_step != S::ZERO {
+            target.shear(Retarder, Slope, self.retarder_step);
+        }
+        if self.traction_jump != S::ZERO {
+            target.shear(Scale, Slope, -self.traction_jump);
+        }
+        if self.ends_doubt {
+            target.clear(DoubtfulForce);
+            target.shear(DoubtfulForce, Slope, -S::ONE);
+        }
+    }
+
+    /// The diagonal entries act after the shears: air resistance takes its fraction of the whole work
+    /// of the weight.
+    #[inline(always)]
+    fn decay_on(&self, target: &mut impl Sheared<S>) {
+        target.scale(KineticEnergy, self.keep_energy);
+        target.scale(SlopeRate, self.keep_slope_rate);
+        target.scale(Bias, self.keep_bias);
+        target.scale(Wind, self.keep_wind);
+        target.scale(SlowGnssError, self.keep_slow_gnss_error);
+        target.scale(FastGnssError, self.keep_fast_gnss_error);
     }
 }

@@ -1,111 +1,380 @@
-//! Mean and covariance of the states, and the estimate that follows from them.
+//! Mean and covariance of the states, and their step over a cell.
 
-use super::covariance::Covariance;
-use super::gross_mass::ModelMass;
-use super::quantity::{Quantity, QuantityEstimate};
-use super::state_index::{StateIndex, StateVector};
-use crate::cell::Estimate;
+use super::cell_input::{CellInput, Reading};
+use super::covariance::{Covariance, StateVector};
+use super::dynamics::Dynamics;
+use super::noise::{CellNoise, Noise};
+use super::state_index::STATES;
+use super::state_index::StateIndex::{
+    self, Altitude, Bias, DoubtfulForce, FastGnssError, KineticEnergy, Retarder, Scale, Slope,
+    SlowGnssError, TyreSlip, Wind,
+};
+use crate::cell::{CELL_LENGTH_M, Uncertain};
 use crate::scalar::Scalar;
+use crate::vehicle::GRAVITY;
 
-/// Mean and covariance of the states.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Largest force over weight that a speed hides: hard braking.
+const LARGEST_FORCE: f32 = 0.3;
+/// Squared innovation of the speed over its variance beyond which it is no noise.
+const STEP_RATIO: f32 = 25.0;
+
+/// Mean and covariance of the states, and the forces that weigh two of them.
+#[derive(Clone, Copy, Debug)]
 pub struct State<S> {
-    /// Mean, in the units of [`StateIndex`].
+    /// Mean.
     pub mean: StateVector<S>,
     /// Covariance.
     pub covariance: Covariance<S>,
-    /// Net traction: traction less air resistance, over weight, %. It is the slope that an error of
-    /// the scale amounts to.
+    /// Net traction of the last cell, %.
     pub net_traction: S,
-    /// Altitude from which the altitude state counts, m. It keeps that state small in single
-    /// precision. `None` before the first fix.
-    pub origin_m: Option<f32>,
-    /// Variance of the grade beyond what the covariance says, %²: forces and altitudes climb unlike
-    /// each other, and nothing is certain yet.
-    pub doubt_variance: f32,
+    /// Force of the retarder in the last cell, %.
+    pub retarder: S,
+}
+
+/// Mean and variance of a quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moments<S> {
+    /// Mean.
+    pub mean: S,
+    /// Variance.
+    pub variance: S,
+}
+
+impl<S: Scalar> Moments<S> {
+    /// Returns them in single precision.
+    #[must_use]
+    pub fn to_single(self) -> Moments<f32> {
+        Moments {
+            mean: self.mean.to_f32(),
+            variance: self.variance.to_f32(),
+        }
+    }
+}
+
+impl Moments<f32> {
+    /// Nothing.
+    pub const NONE: Self = Self {
+        mean: 0.0,
+        variance: 0.0,
+    };
+
+    /// Returns mean and standard deviation.
+    #[must_use]
+    pub fn uncertain(&self) -> Uncertain {
+        Uncertain {
+            value: self.mean,
+            sigma: Scalar::sqrt(Scalar::max(0.0, self.variance)),
+        }
+    }
+
+    /// Returns the moments with a variance in addition.
+    #[must_use]
+    pub const fn widened(self, variance: f32) -> Self {
+        Self {
+            mean: self.mean,
+            variance: self.variance + variance,
+        }
+    }
+
+    /// Returns the grade of a slope, %: 100 tan of the angle from the sine in %.
+    #[must_use]
+    pub fn grade(&self) -> Uncertain {
+        // No road is steeper than 50 %.
+        let sine = Scalar::min(0.5, Scalar::max(-0.5, self.mean * 0.01));
+        let cosine = Scalar::sqrt(1.0 - sine * sine);
+        Uncertain {
+            value: 100.0 * sine / cosine,
+            sigma: Scalar::sqrt(self.variance) / (cosine * cosine * cosine),
+        }
+    }
+}
+
+/// A scalar update that was applied.
+#[derive(Clone, Copy, Debug)]
+pub struct Update<S> {
+    /// Innovation ν.
+    pub innovation: S,
+    /// Innovation variance h P h' + R.
+    pub innovation_variance: S,
+    /// Gain P h' over the innovation variance.
+    pub gain: StateVector<S>,
+}
+
+/// What a step leaves for the backward pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Record<S> {
+    /// State after the step.
+    pub state: State<S>,
+    /// Net traction before the step, %.
+    pub net_traction_before: S,
+    /// Update with the speed.
+    pub speed: Option<Update<S>>,
+    /// Whether the speed stepped by more than any force can make it: the sensor did.
+    pub speed_steps: bool,
+    /// Update with the altitude.
+    pub altitude: Option<Update<S>>,
+    /// Update with a slope that was measured directly.
+    pub slope: Option<Update<S>>,
+}
+
+/// What is linear in the states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Slope of the road, sine in %.
+    RoadSlope,
+    /// Slope that the force balance reads, sine in %.
+    ReadSlope,
+    /// Altitude above the origin, m.
+    Altitude,
+    /// Bias and wind, %.
+    ModelError,
+    /// Scale error, 1.
+    Scale,
+    /// Doubtful force, %.
+    DoubtfulForce,
+    /// v²/2, m²/s².
+    KineticEnergy,
 }
 
 impl<S: Scalar> State<S> {
-    /// Returns the standard deviation of a state.
-    #[must_use]
-    pub fn sigma(&self, state: StateIndex) -> S {
-        self.covariance.variance(state).sqrt()
-    }
+    /// Nothing known, and nothing moving: the place of a state.
+    pub const ZERO: Self = Self {
+        mean: [S::ZERO; STATES],
+        covariance: Covariance::ZERO,
+        net_traction: S::ZERO,
+        retarder: S::ZERO,
+    };
 
-    /// Returns the estimate at the cell's end. `mass` is that of the model there.
-    #[must_use]
-    pub fn estimate(&self, mass: &ModelMass) -> Estimate {
-        let energy = self.mean[StateIndex::KineticEnergy];
-        let [bias, scale] =
-            [Quantity::Bias, Quantity::Scale].map(|quantity| self.quantity(quantity).uncertain());
-        let scale = scale.plus(1.0);
-        Estimate {
-            grade_percent: self
-                .quantity(Quantity::Slope)
-                .grade()
-                .widened(self.doubt_variance),
-            altitude_m: self.quantity(Quantity::Altitude).altitude(self.origin_m),
-            speed_mps: (energy + energy).sqrt().to_f32(),
-            bias_percent: bias,
-            scale,
-            mass_kg: mass.gross_kg(scale),
+    /// Returns h v of a quantity h for the elements of v.
+    #[inline(always)]
+    fn of(&self, quantity: Quantity, v: impl Fn(StateIndex) -> S) -> S {
+        match quantity {
+            Quantity::RoadSlope => {
+                v(Slope) - v(Bias) - v(Wind) - v(DoubtfulForce) + self.net_traction * v(Scale)
+                    - self.retarder * v(Retarder)
+            }
+            Quantity::ReadSlope => v(Slope),
+            Quantity::Altitude => v(Altitude),
+            Quantity::ModelError => v(Bias) + v(Wind),
+            Quantity::Scale => v(Scale),
+            Quantity::DoubtfulForce => v(DoubtfulForce),
+            Quantity::KineticEnergy => v(KineticEnergy),
         }
     }
 
-    /// Returns the estimate of a quantity, with its covariance with the states.
-    #[inline(never)] // Long, and called from several places.
+    /// Returns mean and variance of a quantity, and its covariance with the states, P h'.
+    #[inline(always)]
     #[must_use]
-    pub fn quantity(&self, quantity: Quantity) -> QuantityEstimate<S> {
-        let cross = quantity.cross(self.net_traction, &self.covariance);
-        QuantityEstimate {
-            mean: quantity.of(self.net_traction, |state| self.mean[state]),
-            variance: quantity.of(self.net_traction, |state| cross[state]),
-            cross,
-        }
-    }
-
-    /// Returns the slope of the road by the forces, with the slow error of the model in it, %.
-    #[inline]
-    pub(super) fn slope_by_forces(&self) -> S {
-        self.mean[StateIndex::Slope] + self.net_traction * self.mean[StateIndex::Scale]
-    }
-
-    /// Sets the net traction to zero, as at a standstill. The slope of the road stays as it is, also if
-    /// the scale becomes another one there. Returns the net traction until then, %.
-    pub(super) fn release_traction(&mut self) -> S {
-        let net_traction = core::mem::replace(&mut self.net_traction, S::ZERO);
-        let scale = self.mean[StateIndex::Scale];
-        self.mean[StateIndex::Slope].add_product(net_traction, &scale);
-        let covariance = &mut self.covariance;
-        covariance.shear(StateIndex::Slope, StateIndex::Scale, net_traction);
-        net_traction
-    }
-
-    /// Returns the slow error of the model, bias and wind, %, and its variance, %².
-    pub(super) fn model_error(&self) -> (f32, f32) {
-        let [bias, wind] = [StateIndex::Bias, StateIndex::Wind];
-        let of = |i, j| self.covariance.get(i, j);
-        let both = of(bias, wind);
-        let variance = of(bias, bias) + both + both + of(wind, wind);
-        let mean = self.mean[bias] + self.mean[wind];
-        (mean.to_f32(), variance.to_f32())
+    pub fn quantity(&self, quantity: Quantity) -> (Moments<S>, StateVector<S>) {
+        let cross =
+            StateIndex::ALL.map(|index| self.of(quantity, |i| self.covariance.get(i, index)));
+        let moments = Moments {
+            mean: self.of(quantity, |i| self.mean[i as usize]),
+            variance: self.of(quantity, |i| cross[i as usize]),
+        };
+        (moments, cross)
     }
 
     /// Returns whether every number is finite and every variance not negative.
     #[must_use]
     pub fn is_sound(&self) -> bool {
-        S::are_finite(&self.mean.0) && self.net_traction.is_finite() && self.covariance.is_sound()
+        S::are_finite(&self.mean) && self.covariance.is_sound()
     }
 
-    /// Returns the state in another number type.
-    #[must_use]
-    pub fn cast<T: Scalar>(&self) -> State<T> {
-        State {
-            mean: StateVector(self.mean.0.map(|x| T::from_f64(x.to_f64()))),
-            covariance: self.covariance.cast(),
-            net_traction: T::from_f64(self.net_traction.to_f64()),
-            origin_m: self.origin_m,
-            doubt_variance: self.doubt_variance,
+    /// Moves over a cell that follows the last one.
+    #[inline]
+    pub fn step(
+        &mut self,
+        cell: &CellInput,
+        dynamics: &Dynamics<S>,
+        noise: &CellNoise<S>,
+        gate: Option<S>,
+    ) -> Record<S> {
+        let before = self.net_traction;
+        if noise.load > S::ZERO {
+            self.open_load(noise.load);
+        }
+        let energy_before = self.mean[KineticEnergy as usize];
+        dynamics.forward(&mut self.mean, &mut self.covariance);
+        self.net_traction = dynamics.net_traction;
+        self.retarder = dynamics.retarder;
+        let energy = &mut self.mean[KineticEnergy as usize];
+        *energy = (*energy + S::from_f32(cell.work)).max(S::ZERO);
+        self.observe(cell, noise, before, energy_before, gate)
+    }
+
+    /// Adds the noise of a cell whose end is predicted, and updates with speed and altitude. An
+    /// altitude whose squared innovation exceeds `gate` times its variance is left out.
+    #[inline(always)]
+    pub(super) fn observe(
+        &mut self,
+        cell: &CellInput,
+        noise: &CellNoise<S>,
+        net_traction_before: S,
+        energy_before: S,
+        gate: Option<S>,
+    ) -> Record<S> {
+        for (direction, q) in Noise::ALL.into_iter().zip(noise.of) {
+            direction.add_to(&mut self.covariance, q);
+        }
+        let (speed, speed_steps) = if cell.energy.is_some() {
+            let (update, steps) = self.update_speed(cell, energy_before, noise.speed);
+            (Some(update), steps)
+        } else {
+            (None, false)
+        };
+        let altitude = if cell.altitude.is_some() {
+            self.update_altitude(&cell.altitude, noise.altitude, gate)
+        } else {
+            None
+        };
+        let slope = if cell.slope.is_some() {
+            self.update_slope(cell, noise.slope, gate)
+        } else {
+            None
+        };
+        Record {
+            state: *self,
+            net_traction_before,
+            speed,
+            speed_steps,
+            altitude,
+            slope,
         }
     }
+
+    /// Widens the scale at a standstill, where the load may change. The slope of the road stays.
+    fn open_load(&mut self, variance: S) {
+        let l = self.net_traction;
+        let p = &mut self.covariance;
+        p.add(Scale, Scale, variance);
+        p.add(Scale, Slope, -(variance * l));
+        p.add(Slope, Slope, variance * l * l);
+    }
+
+    #[inline(always)]
+    fn update_speed(
+        &mut self,
+        cell: &CellInput,
+        energy_before: S,
+        variance: S,
+    ) -> (Update<S>, bool) {
+        let energy = self.mean[KineticEnergy as usize];
+        let behind = S::from_f32(cell.energy.behind_m * (1.0 / CELL_LENGTH_M));
+        let measured = S::from_f32(cell.energy.value) + behind * (energy - energy_before);
+        let per_slip = S::from_f32(cell.energy_per_slip);
+        let mut cross = self.covariance.row(KineticEnergy);
+        S::add_products(&mut cross, per_slip, &self.covariance.row(TyreSlip));
+        let observed =
+            |v: &StateVector<S>| v[KineticEnergy as usize] + per_slip * v[TyreSlip as usize];
+        let innovation = measured - observed(&self.mean);
+        let mut innovation_variance = observed(&cross) + variance;
+        let squared = innovation.squared();
+        // No force changes a speed so: the sensor stuck, slipped, or another one took over.
+        let most = S::from_f32(LARGEST_FORCE * GRAVITY * cell.since_speed_m);
+        let steps =
+            squared > most.squared() && squared > S::from_f32(STEP_RATIO) * innovation_variance;
+        if steps {
+            self.covariance.add(KineticEnergy, KineticEnergy, squared);
+            cross[KineticEnergy as usize] += squared;
+            innovation_variance += squared;
+        }
+        (self.update(innovation, innovation_variance, &cross), steps)
+    }
+
+    #[inline(always)]
+    fn update_altitude(
+        &mut self,
+        reading: &Reading,
+        variance: S,
+        gate: Option<S>,
+    ) -> Option<Update<S>> {
+        let slope = self.of(Quantity::RoadSlope, |i| self.mean[i as usize]);
+        let measured = S::from_f32(reading.value) + S::from_f32(0.01 * reading.behind_m) * slope;
+        let mut cross = self.covariance.row(Altitude);
+        let [slow, fast] = [SlowGnssError, FastGnssError].map(|index| self.covariance.row(index));
+        for ((element, slow), fast) in cross.iter_mut().zip(slow).zip(fast) {
+            *element += slow + fast;
+        }
+        let observed = |v: &StateVector<S>| {
+            v[Altitude as usize] + v[SlowGnssError as usize] + v[FastGnssError as usize]
+        };
+        let innovation = measured - observed(&self.mean);
+        let innovation_variance = observed(&cross) + variance;
+        if gate.is_some_and(|gate| innovation.squared() > gate * innovation_variance) {
+            return None;
+        }
+        Some(self.update(innovation, innovation_variance, &cross))
+    }
+
+    #[inline(never)] // Not for the vehicles without such a sensor.
+    fn update_slope(
+        &mut self,
+        cell: &CellInput,
+        variance: S,
+        gate: Option<S>,
+    ) -> Option<Update<S>> {
+        let quantity = if cell.marks.slope_is_read {
+            Quantity::ReadSlope
+        } else {
+            Quantity::RoadSlope
+        };
+        let (slope, cross) = self.quantity(quantity);
+        let innovation = S::from_f32(cell.slope.value) - slope.mean;
+        let innovation_variance = slope.variance + variance;
+        if gate.is_some_and(|gate| innovation.squared() > gate * innovation_variance) {
+            return None;
+        }
+        Some(self.update(innovation, innovation_variance, &cross))
+    }
+
+    /// Returns the row of a slope that was measured directly in a cell.
+    #[inline(always)]
+    pub(super) fn slope_row(&self, cell: &CellInput) -> [(StateIndex, S); 6] {
+        let of_road = if cell.marks.slope_is_read {
+            S::ZERO
+        } else {
+            S::ONE
+        };
+        [
+            (Slope, S::ONE),
+            (Bias, -of_road),
+            (Wind, -of_road),
+            (DoubtfulForce, -of_road),
+            (Scale, of_road * self.net_traction),
+            (Retarder, -(of_road * self.retarder)),
+        ]
+    }
+
+    #[inline(always)]
+    fn update(
+        &mut self,
+        innovation: S,
+        innovation_variance: S,
+        cross: &StateVector<S>,
+    ) -> Update<S> {
+        let per_variance = S::ONE / innovation_variance;
+        let gain = cross.map(|element| element * per_variance);
+        for (x, gain) in self.mean.iter_mut().zip(&gain) {
+            x.add_product(innovation, gain);
+        }
+        self.covariance.reduce(&gain, cross);
+        Update {
+            innovation,
+            innovation_variance,
+            gain,
+        }
+    }
+}
+
+impl<S: Scalar> Record<S> {
+    /// The place of a record.
+    pub const EMPTY: Self = Self {
+        state: State::ZERO,
+        net_traction_before: S::ZERO,
+        speed: None,
+        speed_steps: false,
+        altitude: None,
+        slope: None,
+    };
 }

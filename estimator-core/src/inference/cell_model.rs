@@ -3,7 +3,7 @@
 use super::levels::Levels;
 use super::variances::{CellVariances, SegmentVariances};
 use crate::cell::CELL_LENGTH_M;
-use crate::robust::{CellInput, CellNoise, Dynamics, NOISES, Noise};
+use crate::filter::{CellInput, CellNoise, Dynamics, NOISES, Noise};
 use crate::scalar::Scalar;
 use crate::tuning::Numbers;
 
@@ -100,8 +100,16 @@ impl<'n> CellModel<'n> {
             of[Noise::Bias as usize] += segment.bias_shock;
             of[Noise::Kink as usize] = segment.kink;
         }
+        let most = if cell.marks.gap {
+            // The file's load is the likely one. Another one shows behind the window.
+            numbers.prior_scale
+        } else if cell.marks.mass_told {
+            numbers.load_told
+        } else {
+            f32::INFINITY
+        };
         let load = if cell.marks.load_stop {
-            segment.load
+            Scalar::min(segment.load, square(most))
         } else {
             0.0
         };
@@ -115,6 +123,7 @@ impl<'n> CellModel<'n> {
                 altitude: S::from_f32(
                     cell.altitude.variance * levels.altitude / own.altitude_weight,
                 ),
+                slope: S::from_f32(cell.slope.variance * levels.slope / own.slope_weight),
             },
         }
     }
@@ -122,7 +131,7 @@ impl<'n> CellModel<'n> {
     #[inline(always)]
     fn base(&self, cell: &CellInput, keep_slow: f32, keep_fast: f32) -> [f32; NOISES] {
         let numbers = self.numbers;
-        let bends = if cell.marks.invalid {
+        let bends = if cell.marks.invalid || cell.marks.by_accelerometer {
             numbers.invalid_road
         } else {
             1.0

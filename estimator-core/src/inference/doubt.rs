@@ -1,15 +1,12 @@
 //! Where the force is in doubt: it is then a state of its own, which ends where the doubt ends.
 
 use super::variances::{CellVariances, DoubtCell};
-use crate::robust::CellInput;
+use crate::filter::CellInput;
 use crate::scalar::Scalar;
 use crate::tuning::Numbers;
 
 /// Cells between two steps of the doubtful force, 20 m.
 const STEP_CELLS: u8 = 8;
-
-/// Retarder force over weight from which on it is in doubt, %.
-const LEAST_RETARDER_PERCENT: f32 = 0.02;
 
 /// Goes along the cells and finds where the force is in doubt.
 #[derive(Clone, Copy, Debug)]
@@ -39,8 +36,13 @@ impl DoubtFinder {
     pub fn next(&mut self, numbers: &Numbers, cell: &CellInput, variances: &mut CellVariances) {
         let rests = cell.rest_percent > numbers.rest_least_percent;
         let overruns = self.overrun_is_doubtful && cell.marks.overrun;
-        let retards = cell.retarder_percent > LEAST_RETARDER_PERCENT;
+        let retards = cell.retards();
         let is_on = rests || overruns || retards;
+        if !is_on && !self.was_on {
+            // Nearly every cell.
+            (variances.doubt, variances.doubt_cell) = (0.0, DoubtCell::NONE);
+            return;
+        }
         let renews = rests && self.rested && cell.marks.rest_begins && !overruns;
         let begins =
             !self.was_on || renews || (rests && !self.rested) || (overruns && !self.overran);

@@ -13,7 +13,7 @@
 use super::cell_model::CellTerms;
 use super::levels::{LevelSum, LevelSums, Levels};
 use super::variances::{CellVariances, SegmentVariances};
-use crate::robust::{CellInput, Disturbances, Noise, Score};
+use crate::filter::{CellInput, Disturbances, Noise, Score};
 use crate::scalar::Scalar;
 use crate::tuning::Numbers;
 
@@ -73,7 +73,7 @@ impl FixedPoint {
         passed: &mut PassedCell<'_, S>,
     ) {
         self.add_levels(levels, passed);
-        self.infer_fix(numbers, levels, passed);
+        self.infer_weights(numbers, levels, passed);
         let PassedCell {
             cell,
             own,
@@ -149,24 +149,35 @@ impl FixedPoint {
         }
     }
 
-    /// Infers the weight of a fix.
-    fn infer_fix<S: Scalar>(
+    /// Infers the weights of a fix, and of a slope that was measured directly.
+    fn infer_weights<S: Scalar>(
         &mut self,
         numbers: &Numbers,
         levels: &Levels,
         passed: &mut PassedCell<'_, S>,
     ) {
-        let Some(score) = &passed.found.altitude else {
-            return;
-        };
-        let variance = passed.terms.noise.altitude;
-        let unknown = (variance - variance.squared() * score.information).max(S::ZERO);
-        let square = ((variance * score.sum).squared() + unknown).to_f32();
-        let base = passed.cell.altitude.variance;
+        let PassedCell {
+            cell,
+            own,
+            terms,
+            found,
+            ..
+        } = passed;
         let freedom = numbers.altitude_freedom;
-        let weight = (freedom + 1.0) / (freedom + square / (base * levels.altitude));
-        passed.own.altitude_weight = weight;
-        self.sums.altitude.add(square * weight / base, 1.0);
+        if let Some(score) = &found.altitude {
+            let square = expected_square(terms.noise.altitude, score);
+            let (base, level) = (cell.altitude.variance, levels.altitude);
+            own.altitude_weight = (freedom + 1.0) / (freedom + square / (base * level));
+            let weighted = square * own.altitude_weight / base;
+            self.sums.altitude.add(weighted, 1.0);
+        }
+        if let Some(score) = &found.slope {
+            let square = expected_square(terms.noise.slope, score);
+            let (base, level) = (cell.slope.variance, levels.slope);
+            own.slope_weight = (freedom + 1.0) / (freedom + square / (base * level));
+            let weighted = square * own.slope_weight / base;
+            self.sums.slope.add(weighted, 1.0);
+        }
     }
 
     fn infer_segment<S: Scalar>(&mut self, numbers: &Numbers, passed: &mut PassedCell<'_, S>) {
@@ -176,7 +187,8 @@ impl FixedPoint {
         if segment.bias_shock < opened {
             let step = ClosedStep::new(at, bias);
             self.bias_step = self.bias_step.larger(step);
-            self.add_odds(numbers, &step, bias.information.to_f32());
+            let most = numbers.bias_shock_most_percent;
+            self.add_odds(&step, bias.information.to_f32(), most);
         }
         if segment.kink < opened {
             self.kink = self.kink.larger(ClosedStep::new(at, kink));
@@ -200,9 +212,8 @@ impl FixedPoint {
             multiplier(slow_gnss, numbers.slow_gnss_freedom, numbers.slow_gnss_most);
     }
 
-    /// Adds the odds of a closed step: its likelihood with the largest variance over that without it.
-    fn add_odds(&mut self, numbers: &Numbers, step: &ClosedStep, information: f32) {
-        let most = numbers.bias_shock_most_percent;
+    /// Adds the odds of a closed step: its likelihood with the largest sigma over that without it.
+    pub(super) fn add_odds(&mut self, step: &ClosedStep, information: f32, most: f32) {
         let ratio = most * most * information;
         let log = 0.5 * step.evidence * ratio / (1.0 + ratio);
         let odds = libm::expf(Scalar::min(log, 40.0)) / Scalar::sqrt(1.0 + ratio);
@@ -246,7 +257,7 @@ impl FixedPoint {
 }
 
 impl ClosedStep {
-    fn new<S: Scalar>(segment: usize, score: &Score<S>) -> Self {
+    pub(super) fn new<S: Scalar>(segment: usize, score: &Score<S>) -> Self {
         let (sum, information) = (score.sum.to_f32(), score.information.to_f32());
         if information <= 0.0 {
             return Self::default();
@@ -265,6 +276,12 @@ impl ClosedStep {
             self
         }
     }
+}
+
+/// Returns the expected square of the error of a measurement of this variance.
+fn expected_square<S: Scalar>(variance: S, score: &Score<S>) -> f32 {
+    let unknown = (variance - variance.squared() * score.information).max(S::ZERO);
+    ((variance * score.sum).squared() + unknown).to_f32()
 }
 
 /// Returns the next variance of a shock.

@@ -7,6 +7,7 @@ macro_rules! levels {
     ($($(#[$about:meta])* $name:ident: $weight:ident, $low:ident, $high:ident;)*) => {
         /// Learned over assumed variances.
         #[derive(Clone, Copy, Debug, PartialEq)]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         pub struct Levels {
             $($(#[$about])* pub $name: f32,)*
         }
@@ -20,9 +21,18 @@ macro_rules! levels {
         impl Levels {
             /// Nothing learned.
             pub const ONE: Self = Self { $($name: 1.0,)* };
+
+            /// Returns sums that count for so many cells, and of which these levels follow.
+            #[must_use]
+            pub fn sums(&self, cells: f32) -> LevelSums {
+                LevelSums { $($name: LevelSum::of(self.$name, cells),)* }
+            }
         }
 
         impl LevelSums {
+            /// Nothing learned.
+            pub const NONE: Self = Self { $($name: LevelSum::NONE,)* };
+
             /// Returns the levels that follow from the sums.
             #[must_use]
             pub fn levels(&self, numbers: &Numbers) -> Levels {
@@ -53,6 +63,8 @@ levels! {
     fast_gnss: level_weight, gnss_level_low, gnss_level_high;
     /// White noise of a fix.
     altitude: level_weight, altitude_level_low, altitude_level_high;
+    /// Noise of a slope that is measured directly.
+    slope: level_weight, slope_level_low, slope_level_high;
     /// Noise of the speed.
     speed: level_weight, speed_level_low, speed_level_high;
 }
@@ -67,11 +79,23 @@ pub struct LevelSum {
 }
 
 impl LevelSum {
+    const NONE: Self = Self {
+        squares: 0.0,
+        determined: 0.0,
+    };
+
     /// Adds a term to both sums.
     #[inline(always)]
     pub fn add(&mut self, squares: f32, determined: f32) {
         self.squares += squares;
         self.determined += determined;
+    }
+
+    fn of(level: f32, cells: f32) -> Self {
+        Self {
+            squares: level * cells,
+            determined: cells,
+        }
     }
 
     fn level(self, weight: f32, low: f32, high: f32) -> f32 {

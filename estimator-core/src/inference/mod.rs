@@ -11,20 +11,28 @@
 //! | [`doubt`] | where the force is in doubt |
 //! | [`fixed_point`] | the one place where variances are inferred |
 //! | [`round`] | one round: forward and backward over a stretch of cells |
-//! | [`window`] | rounds behind the vehicle: lagged and live grade |
+//! | [`window`], `work` | the window behind the vehicle, and what its update is at |
+//! | `trial` | the hypothesis that the bus does not tell brakes |
+//! | `past_steps` | steps of the bias behind the window |
+//! | `live`, `update` | the live grade; rounds in shares of work, and the lagged grade |
 
 pub mod cell_model;
 pub mod doubt;
 pub mod fixed_point;
 pub mod levels;
+mod live;
+mod past_steps;
 pub mod round;
+mod trial;
+mod update;
 pub mod variances;
 pub mod window;
+mod work;
 
 pub use crate::tuning::Numbers;
 pub use cell_model::CellModel;
 pub use fixed_point::FixedPoint;
 pub use levels::{LevelSums, Levels};
-pub use round::{Round, Stretch};
+pub use round::{Pass, Round, Stretch};
 pub use variances::{CellVariances, DoubtCell, SEGMENT_CELLS, SegmentVariances};
 pub use window::Window;

@@ -40,6 +40,8 @@ impl SegmentVariances {
 pub struct CellVariances {
     /// Weight of the fix: its precision over the assumed one.
     pub altitude_weight: f32,
+    /// The same of a slope that was measured directly.
+    pub slope_weight: f32,
     /// Of a step of the doubtful force before the cell, %².
     pub doubt: f32,
     /// How the force is in doubt.
@@ -50,6 +52,7 @@ impl CellVariances {
     /// The variances of the first round.
     pub const START: Self = Self {
         altitude_weight: 1.0,
+        slope_weight: 1.0,
         doubt: 0.0,
         doubt_cell: DoubtCell::NONE,
     };

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `driveline`, `traction` | gear and clutch; torque or force to mean traction force |
 //! | `engine_configuration` | reference torque and inertia that the engine reports |
-//! | `brakes`, `brake_detector` | brakes that signals report; brakes that none reports |
+//! | `brakes` | brakes that signals report |
 //! | `odometer`, `speed_check`, `speed_returns` | distance and cells; plausibility of speed readings; those of two senders |
 //! | `gnss` | positions and altitudes along the driven distance |
 //! | `gnss_timing`, `lagged_differences`, `speed_lag`, `lag_regression` | age of a fix; scale of the wheel speed |
@@ -17,21 +17,19 @@
 //! | `slope_sensors` | vertical speed and pitch: the slope directly |
 //! | `effect_inputs` | what effects depend on |
 //! | `parts` | what these collect, and the sample of a cell |
-//! | `latest`, `held_signal`, `accepted_ranges` | newest values, their age and rests; ranges of readings |
+//! | `latest`, `accepted_ranges` | newest values and their age; ranges of readings |
 //!
 //! Hold times make the model invalid for some time after a gear shift or a brake. The one after a
 //! shift is in `parts` (`Parts::hold_shift`); those after a brake or a retarder are in `brakes`.
 //! Their lengths are [`HoldTimes`](crate::tuning::HoldTimes).
 
 mod accepted_ranges;
-mod brake_detector;
 mod brakes;
 mod driveline;
 mod effect_inputs;
 mod engine_configuration;
 mod gnss;
 mod gnss_timing;
-mod held_signal;
 mod inertial;
 mod lag_regression;
 mod lagged_differences;
@@ -59,7 +57,6 @@ use crate::scalar::Scalar;
 use crate::signal::{Reading, Signal, Value};
 use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
-use crate::vehicle::Traction;
 use accepted_ranges::SPEEDS_MPS;
 use gnss::AltitudeOutcome;
 use heapless::Deque;
@@ -249,7 +246,6 @@ impl Sampler {
             _ => return,
         }
         self.odometer.interrupt();
-        self.parts.brake_detector.restart();
     }
 
     /// Takes whether the engine's torque comes from another sender than the engine.
@@ -368,7 +364,6 @@ impl Sampler {
         if factor != parts.speed_factor {
             parts.speed_factor = factor;
             odometer.interrupt();
-            parts.brake_detector.restart();
         }
         // The range of readings bounds the cells of one: a factor may be any.
         let speed_mps = Scalar::min(rolled_mps * factor, *SPEEDS_MPS.end());
@@ -396,7 +391,6 @@ impl Sampler {
             parts.accelerometer.take(now);
             parts.slope_sensors = SlopeSensors::default();
             parts.gnss.clear();
-            parts.brake_detector.restart();
             odometer.stand(speed);
             return;
         }
@@ -411,11 +405,10 @@ impl Sampler {
             condition: parts.condition(context, now, slower_mps),
             resolution_mps: parts.resolution_mps(context, now),
         };
-        let detects_brakes = context.model.vehicle.traction != Traction::Force;
         let longest = context.tuning.hold_times.speed_timeout;
         let waits = has_stood && parts.reversing.waits_for_course(direction.gear);
         let bridged = odometer.drive(speed, interval, longest, |driven| {
-            let sample = parts.sample(context, &driven, detects_brakes);
+            let sample = parts.sample(context, &driven);
             if samples.push_back(sample).is_err() {
                 count(&mut context.counters.samples_lost);
             } else if waits {
@@ -431,7 +424,6 @@ impl Sampler {
         if !bridged {
             parts.slope_sensors = SlopeSensors::default();
             parts.gnss.clear();
-            parts.brake_detector.restart();
             count(&mut context.counters.gaps);
         }
     }

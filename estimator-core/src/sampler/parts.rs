@@ -2,7 +2,6 @@
 //! speed that counts, and the sample of a driven cell.
 
 use super::accepted_ranges::SPEEDS_MPS;
-use super::brake_detector::BrakeDetector;
 use super::brakes::Brakes;
 use super::driveline::{DrivelineSignals, DrivelineState};
 use super::effect_inputs::EffectSignals;
@@ -40,7 +39,6 @@ pub(super) struct Parts {
     pub slope_sensors: SlopeSensors,
     pub brakes: Brakes,
     pub retarder: Retarder,
-    pub brake_detector: BrakeDetector,
     pub stops: Stops,
     pub reversing: Reversing,
     pub gnss: Gnss,
@@ -91,7 +89,6 @@ impl Parts {
             slope_sensors: SlopeSensors::default(),
             brakes: Brakes::default(),
             retarder: Retarder::default(),
-            brake_detector: BrakeDetector::default(),
             stops: Stops::default(),
             reversing: Reversing::default(),
             gnss: Gnss::default(),
@@ -286,12 +283,7 @@ impl Parts {
 
     /// Returns the sample of a cell that was driven to its end.
     #[inline(always)] // In Sampler::speed.
-    pub(super) fn sample(
-        &mut self,
-        context: &mut Context,
-        driven: &DrivenCell,
-        detects_brakes: bool,
-    ) -> Sample {
+    pub(super) fn sample(&mut self, context: &mut Context, driven: &DrivenCell) -> Sample {
         let model = &context.model;
         let forces = ForceInputs {
             traction_n: driven.mean_force_n * model.effects.factor(Acts::Traction),
@@ -299,18 +291,7 @@ impl Parts {
             mass_kg: self.stops.mass_kg(model),
             air_density: self.air.density(),
         };
-        let mut condition = driven.condition;
-        if detects_brakes {
-            let is_invalid = !condition.is_valid() || condition.crawling;
-            let detector = &mut self.brake_detector;
-            if detector.advance(context, &forces, driven.speed_mps, is_invalid) {
-                condition.braking = true;
-                context.counters.brakes_guessed += 1;
-            }
-        } else {
-            self.brake_detector.restart();
-        }
-        let model = &context.model;
+        let condition = driven.condition;
         let right_until = self.right_until.take().unwrap_or(driven.number);
         let wrong_cells = driven.number.saturating_sub(right_until).min(0xffff) as u16;
         let disagreement = Disagreement {
@@ -347,7 +328,6 @@ impl Parts {
             after_load_change: self.stops.take_load_change(context),
             after_stop: self.stops.take_stop(),
             mass_is_reported: self.stops.has_reported_mass(),
-            torque_rests: self.traction.take_rest(model),
             torque_rest: self.traction.take_rests(driven.time),
             traction_late_s: self.gnss_timing.traction_late_s(),
             disagreement,

@@ -21,7 +21,7 @@ pub(super) struct Stops {
     learned_kg: Option<f32>,
     was_long: bool,
     /// It was long enough to be loaded, and nothing reported the mass.
-    was_unreported: bool,
+    was_stop: bool,
     /// Time in motion since the start or the last long stop.
     driven: Duration,
 }
@@ -55,7 +55,7 @@ impl Stops {
                 self.weighing_until = Some(now + hold_times.weighing);
             }
             if stood >= hold_times.load_stop {
-                self.was_unreported = self.reported_kg.is_none();
+                self.was_stop = true;
             }
         }
     }
@@ -101,10 +101,9 @@ impl Stops {
         self.was_long = true;
     }
 
-    /// Returns whether there was a stop since the last call in which the load may have changed
-    /// without a report.
+    /// Returns whether there was a stop since the last call in which the load may have changed.
     pub(super) fn take_stop(&mut self) -> bool {
-        core::mem::take(&mut self.was_unreported)
+        core::mem::take(&mut self.was_stop)
     }
 
     /// Returns whether a stop since the last call may have changed the load.

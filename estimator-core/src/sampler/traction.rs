@@ -1,14 +1,12 @@
 //! Torque, gears and forces become the mean traction force of an interval.
 
-use super::held_signal::HeldSignal;
 use super::latest::{Latest, TimedValue};
 use super::torque_rests::TorqueRests;
 use crate::context::Context;
 use crate::model::Model;
 use crate::sample::TorqueRest;
 use crate::signal::Signal;
-use crate::time::{Duration, Instant};
-use crate::tuning::Tuning;
+use crate::time::Instant;
 use crate::vehicle::{Driveline, Traction};
 
 /// The signals of the traction force, and its integral since the last speed.
@@ -16,7 +14,6 @@ use crate::vehicle::{Driveline, Traction};
 pub(super) struct TractionInput {
     fraction: Latest,
     torque: Latest,
-    held_torque: HeldSignal,
     rest: TorqueRests,
     friction: Latest,
     /// Net torque of a shaft that is reported in Nm, % of the reference torque. It goes before the
@@ -43,7 +40,6 @@ impl TractionInput {
         Self {
             fraction: Latest::default(),
             torque: Latest::default(),
-            held_torque: HeldSignal::default(),
             rest: TorqueRests::default(),
             friction: Latest::default(),
             shaft_torque: Latest::default(),
@@ -112,7 +108,7 @@ impl TractionInput {
 
     /// Returns whether the force is known.
     pub(super) fn is_known(&self, context: &Context, now: Instant) -> bool {
-        let timeout = self.timeout(&context.tuning);
+        let timeout = context.tuning.hold_times.torque_timeout;
         match (&context.model.vehicle.traction, self.driveline) {
             (Traction::Force, _) => self.force.within(now, timeout).is_some(),
             (Traction::Powertrain(_), Driveline::Open) => true,
@@ -122,22 +118,6 @@ impl TractionInput {
             }
             (Traction::Powertrain(_), Driveline::Unknown) => false,
         }
-    }
-
-    /// Returns the age beyond which the force is unknown. The next value of a torque that is held comes
-    /// when it has moved far.
-    fn timeout(&self, tuning: &Tuning) -> Duration {
-        if self.held_torque.is_held(&tuning.detection) {
-            tuning.hold_times.held_torque_timeout
-        } else {
-            tuning.hold_times.torque_timeout
-        }
-    }
-
-    /// Returns whether the torque stayed the same, to the last bit, since the last call. A measured
-    /// force is none.
-    pub(super) fn take_rest(&mut self, model: &Model) -> bool {
-        !self.held_torque.take_change() && model.vehicle.traction != Traction::Force
     }
 
     /// Returns the rests of the torque since the last call.
@@ -166,13 +146,6 @@ impl TractionInput {
     /// Takes the engine torque, a part of the reference torque. Returns whether it is new and counts.
     #[inline(always)] // Called once.
     fn take_part(&mut self, context: &Context, now: Instant, value: Option<f32>) -> bool {
-        let fraction = self.fraction.last().unwrap_or(0.0);
-        let detection = &context.tuning.detection;
-        if let Some(value) = value
-            && !self.held_torque.is_new(value + fraction, now, detection)
-        {
-            return false;
-        }
         self.torque.set(value, now);
         self.shaft_percent(context, now).is_none()
     }
@@ -187,8 +160,7 @@ impl TractionInput {
         signal: Signal,
         value: Option<f32>,
     ) -> bool {
-        let Context { model, tuning, .. } = context;
-        let Traction::Powertrain(powertrain) = &model.vehicle.traction else {
+        let Traction::Powertrain(powertrain) = &context.model.vehicle.traction else {
             return false;
         };
         let shaft = if signal == Signal::MotorTorque {
@@ -201,11 +173,6 @@ impl TractionInput {
             return false;
         }
         let percent = value.map(|torque_nm| 100.0 * torque_nm / powertrain.reference_torque_nm);
-        if let Some(percent) = percent
-            && !self.held_torque.is_new(percent, now, &tuning.detection)
-        {
-            return false;
-        }
         self.shaft = shaft;
         self.shaft_torque.set(percent, now);
         true

@@ -230,6 +230,7 @@ fn quotient(dividend: u64, divisor: u64) -> Option<u64> {
 impl Scalar for FixedPoint {
     const ZERO: Self = Self::from_bits(0);
     const ONE: Self = Self::from_bits(1 << 32);
+    const INFERS: bool = false;
 
     #[cfg_attr(target_pointer_width = "32", inline(never))]
     fn from_f32(value: f32) -> Self {

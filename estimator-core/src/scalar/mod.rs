@@ -31,6 +31,10 @@ pub trait Scalar:
     const ZERO: Self;
     /// One.
     const ONE: Self;
+    /// Whether variances can be inferred with it. Their scores span more decades than a fixed-point
+    /// number holds: with one, the filter runs on assumed variances, and the lagged grade is the live
+    /// one.
+    const INFERS: bool;
 
     /// The nearest number to `value`. Signals and parameters come in `f32`.
     fn from_f32(value: f32) -> Self;
@@ -110,6 +114,7 @@ macro_rules! float_scalar {
         impl Scalar for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
+            const INFERS: bool = true;
 
             #[inline]
             fn from_f32(value: f32) -> Self {

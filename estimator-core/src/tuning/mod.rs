@@ -9,171 +9,127 @@
 //! Force noises are forces. The grade error that they make is proportional to 1/(m g), so one set
 //! serves a loaded combination and a solo tractor.
 
-mod numbers;
 mod parameter;
 
-pub use numbers::Numbers;
 pub use parameter::{TuningError, TuningParameter};
 
 use crate::time::Duration;
 use parameter::tuning;
 
 tuning! {
-    /// Noise of the sensors, and how it is learned from innovations.
-    measurement_noise: MeasurementNoise {
-        speed_sigma_mps: f32 = 0.013, 1e-4..=1.0, "m/s", "white noise of one wheel-speed reading, 1 sigma", "thesis tables 2 and 3: width of the pointwise grade errors gives 0.009 to 0.013";
-        crawl_speed_sigma_mps: f32 = 0.1, 1e-4..=2.0, "m/s", "the same below `detection.crawl_mps`, where pulses of a wheel sensor are few", "estimate: one pulse of a 100-tooth wheel a reading";
-        speed_ratio_low: f32 = 0.1, 1e-3..=1.0, "1", "smallest learned over assumed variance of speed", "a third of the assumed sigma";
-        speed_ratio_high: f32 = 25.0, 1.0..=1e4, "1", "largest learned over assumed variance of speed", "five times the assumed sigma";
-        speed_ratio_gain: f32 = 0.01, 0.0..=1.0, "1", "part of a normalised squared innovation by which the ratio follows", "Mehra 1970; a memory of 100 readings";
-        force_ratio_gain: f32 = 0.01, 0.0..=1.0, "1", "part of the product of a normalised innovation with those before it by which the noise of the force follows", "as `speed_ratio_gain`";
-        force_memory: f32 = 0.9, 0.0..=0.99, "1", "part that one more reading leaves of the innovations before it", "ten readings: what a late force adds is gone by then, what a noisy one adds is not";
-        force_correlation: f32 = 0.1, 0.0..=1.0, "1", "mean of that product that is no noise of the force", "chosen";
-        force_ratio_high: f32 = 10_000.0, 1.0..=1e8, "1", "largest learned over assumed variance of the force", "a hundred times the assumed sigma";
-        altitude_sigma_m: f32 = 0.5, 0.01..=50.0, "m", "white noise of one GNSS altitude at a dilution of precision of 1, 1 sigma", "single-frequency receivers: 0.3 to 1 m from fix to fix";
-        altitude_ratio_low: f32 = 0.05, 1e-3..=1.0, "1", "smallest learned over assumed variance of altitude", "a fifth of the assumed sigma";
-        altitude_ratio_high: f32 = 100.0, 1.0..=1e4, "1", "largest learned over assumed variance of altitude", "ten times the assumed sigma";
-        altitude_ratio_gain: f32 = 0.03, 0.0..=1.0, "1", "part of a normalised squared innovation by which the ratio follows", "Mehra 1970; a memory of 30 fixes";
-        gnss_error_sigma_m: f32 = 3.0, 0.01..=100.0, "m", "coloured error of GNSS altitude, 1 sigma", "Ornstein-Uhlenbeck model, Sensors 20:6050";
-        gnss_error_time_s: f32 = 200.0, 1.0..=1e5, "s", "correlation time of the coloured error", "Ornstein-Uhlenbeck model, Sensors 20:6050: 100 to 300 s";
-        delay_readings: u16 = 450, 10.0..=65_535.0, "readings", "readings, one in two seconds, over which climbs by altitudes and by forces are compared to find a delay of altitudes", "chosen: a quarter of an hour";
-        delay_part: f32 = 0.7, 0.0..=1.0, "1", "part of the variance without delay below which a delay counts", "chosen";
-        gnss_error_sum_s: f32 = 16.0, 1.0..=1000.0, "s", "time over which innovations are summed to learn the coloured error", "long beside white noise, short beside `gnss_error_time_s`";
-        gnss_error_ratio_low: f32 = 0.01, 1e-4..=1.0, "1", "smallest learned over assumed variance of the coloured error", "a tenth of the assumed sigma";
-        gnss_error_ratio_high: f32 = 100.0, 1.0..=1e4, "1", "largest learned over assumed variance of the coloured error", "ten times the assumed sigma";
-        gnss_error_first_weight: u8 = 3, 1.0..=255.0, "sums", "number of sums that the assumed variance counts as at first", "chosen: the first sums may move it by a third";
-        gnss_error_last_weight: u8 = 25, 1.0..=255.0, "sums", "number of sums that the learned variance is a mean over", "chosen: 400 s";
-        gnss_error_largest_sum: f32 = 9.0, 1.0..=1e4, "1", "squared sum over its variance that a sum counts as at most", "three sigmas: beyond is no noise";
-        largest_innovation: f32 = 25.0, 1.0..=1e4, "1", "normalised squared innovation that an innovation counts as at most when noise is learned", "five sigmas: beyond is no noise";
-        many_satellites: f32 = 8.0, 1.0..=50.0, "1", "number of satellites beyond which more do not lower the noise", "chosen";
-        dilution_per_missing_satellite: f32 = 0.5, 0.0..=10.0, "1", "dilution of precision that each satellite below `many_satellites` adds, unless the receiver reports more", "on average four satellites have three times the vertical error of many";
-        reported_mass_sigma: f32 = 0.05, 1e-3..=1.0, "1", "error of a mass that the bus reports as a part of it, 1 sigma", "chosen: axle loads from air springs scatter by some per cent";
-        largest_dilution: f32 = 50.0, 1.0..=1e4, "1", "dilution of precision that counts at most", "chosen: what is beyond has no weight";
-    }
+    /// The filter and the inference of its variances.
+    estimation: Numbers {
+        speed_noise_mps: f32 = 0.013, 1e-04..=1e+00, "m/s", "white noise of one wheel-speed reading, 1 sigma", "thesis tables 2 and 3: width of the pointwise grade errors gives 0.009 to 0.013";
+        crawl_speed_noise_mps: f32 = 0.1, 1e-03..=1e+01, "m/s", "same of a crawling vehicle, where pulses of a wheel sensor are few", "one pulse of a 100-tooth wheel a reading";
+        altitude_noise_m: f32 = 0.3, 3e-03..=3e+01, "m", "white noise of one GNSS altitude at a dilution of precision of 1, 1 sigma", "single-frequency receivers: 0.3 to 1 m from fix to fix";
+        vertical_speed_noise_mps: f32 = 0.1, 1e-3..=1e1, "m/s", "white noise of a vertical speed of a receiver, 1 sigma", "single-frequency receivers: 0.03 to 0.2; its level is learned";
+        body_noise: f32 = 0.05, 0.0..=1.0, "1", "error of accelerometer and pitch by the body that pitches, as a fraction of the specific force, 1 sigma", "suspensions: 0.3° for 1 m/s²";
+        body_offset_percent: f32 = 0.15, 1e-3..=1e1, "%", "error of the offset of accelerometer and pitch, 1 sigma", "the bias of the force balance over a kilometre";
+        body_sensor_cells: f32 = 800.0, 1e2..=1e5, "cells", "memory of that offset", "2 km: sensors warm up, loads shift";
+        slow_gnss_noise_m: f32 = 3.0, 3e-02..=3e+02, "m", "slow error of GNSS altitude, 1 sigma", "Ornstein-Uhlenbeck model, Sensors 20:6050";
+        slow_gnss_time_s: f32 = 200.0, 2e+00..=2e+04, "s", "correlation time of the slow error", "same source: 100 to 300 s";
+        fast_gnss_noise_m: f32 = 0.5, 5e-03..=5e+01, "m", "fast error of GNSS altitude, 1 sigma", "receivers on judged drives: 0.1 to 1 m within ten seconds";
+        fast_gnss_time_s: f32 = 6.0, 6e-02..=6e+02, "s", "correlation time of the fast error", "same drives; 4 to 10 s change no error by more than 1 %";
+        switched_gnss_noise_m: f32 = 30.0, 3e-01..=3e+03, "m", "step of the altitude where another receiver takes over, 1 sigma", "datums differ by the height of the geoid, up to 50 m in Europe";
+        live_gate: f32 = 25.0, 2e-01..=2e+03, "1", "squared innovation over its variance beyond which the live filter leaves an altitude out", "five sigmas; the window weighs altitudes instead";
 
-    /// Noise of the road and of the vehicle model.
-    process_noise: ProcessNoise {
-        slope_rate_sigma: f32 = 0.006, 1e-5..=1.0, "%/m", "change of slope along the road, 1 sigma", "AASHTO: a crest for 110 km/h (K = 74) has 0.014";
-        slope_rate_length_m: f32 = 150.0, 2.5..=1e4, "m", "correlation length of the change of slope", "length of a vertical curve";
-        force_noise_n: f32 = 120.0, 0.0..=1e5, "N", "white force error over one cell, 1 sigma", "fitted on simulated drives";
-        inertia_noise: f32 = 0.3, 0.0..=10.0, "1", "error of the torque that turns engine and wheels, as a part of it, 1 sigma", "engine inertia is a figure of a data sheet; torque and speed have unlike delays";
-        invalid_noise_percent: f32 = 30.0, 0.0..=1e3, "%", "grade-equivalent noise over one cell in which the model does not hold (shift, brake, no traction), 1 sigma", "thesis section 3: variance up by orders of magnitude";
-        bias_force_n: f32 = 250.0, 0.0..=1e5, "N", "slow force error that does not grow with mass (auxiliaries, steady wind), 1 sigma", "VECTO long haul: 5 kW at 80 km/h are 225 N";
-        bias_rolling: f32 = 0.15, 0.0..=2.0, "1", "slow error as a part of the rolling resistance (tyres, surface), 1 sigma", "wet road 0.1 to 0.2; a wrong parameter 0.1";
-        bias_drag: f32 = 0.1, 0.0..=2.0, "1", "slow error as a part of the air resistance (shape, density), 1 sigma", "a wrong parameter 0.1";
-        bias_length_m: f32 = 100_000.0, 100.0..=1e7, "m", "correlation length of the bias", "tyres and oil change within 10 to 50 km";
-        wind_sigma_mps: f32 = 0.7, 0.0..=30.0, "m/s", "wind along the road that changes within kilometres, 1 sigma", "fitted on simulated drives";
-        wind_length_m: f32 = 3_000.0, 2.5..=1e6, "m", "correlation length of that wind", "wind changes within 1 to 10 km";
-        level_knot_m: f32 = 80.0, 10.0..=1e4, "m", "length of a knot, over which climbs are compared to find the levels of the coloured errors", "chosen: four fixes at 20 m/s";
-        level_memory_m: f32 = 20_000.0, 100.0..=1e7, "m", "length over which that evidence is forgotten", "weather and surface change within tens of kilometres";
-        level_evidence: f32 = 5.0, 0.0..=100.0, "1", "log-likelihood that a level above the assumed one needs beyond it", "a factor of 55";
-        scale_walk_per_sqrt_km: f32 = 0.002, 0.0..=1.0, "1/√km", "random walk of the traction scale, 1 sigma", "chosen: 2 % in 100 km";
-        traction_change_percent: f32 = 0.1, 0.0..=100.0, "%", "largest change of traction over weight in one cell that the road may have caused", "AASHTO: the sharpest crest for 80 km/h (K = 26) bends by 0.096";
-        launch_mps2: f32 = 0.2, 0.0..=10.0, "m/s²", "acceleration above which a change of traction is no answer to the road", "cruise controls accelerate by less";
-        jump_matters_percent: f32 = 0.1, 0.0..=100.0, "%", "slope that the unknown part of the scale makes of a change of traction, above which the change shows the scale", "as `traction_change_percent`";
-        jump_scale_sigma: f32 = 0.08, 0.0..=1.0, "1", "sigma of the scale, as a part of it, that such changes do not reach", "rotating mass, slip and timing at a launch are known no better";
-        jump_noise: f32 = 0.5, 0.0..=10.0, "1", "error of a change of traction that no road causes, as a part of it, 1 sigma", "torque and speed signals have unlike delays";
+        slope_rate_noise: f32 = 0.006, 6e-05..=6e-01, "%/m", "change of slope along the road, 1 sigma", "AASHTO: a crest for 110 km/h (K = 74) has 0.014";
+        slope_rate_length_m: f32 = 150.0, 2e+00..=2e+04, "m", "correlation length of the change of slope", "length of a vertical curve";
+        invalid_road: f32 = 16.0, 2e-01..=2e+03, "1", "factor on the road's variance where shifts and brakes hide the force", "drivers shift and brake where roads bend: city and regional drives of other simulators";
+
+        force_noise_n: f32 = 120.0, 1e+00..=1e+04, "N", "white noise of the force over one cell, 1 sigma", "pointwise grades of the thesis; its level is learned";
+        inertia_noise: f32 = 0.6, 6e-03..=6e+01, "1", "error of the torque that turns engine and wheels, as a fraction of it, 1 sigma", "launches of city drives; engine inertia is a figure of a data sheet";
+        jump_noise: f32 = 0.5, 5e-03..=5e+01, "1", "error of a change of traction at a launch, as a fraction of it, 1 sigma", "rotating mass and timing";
+        invalid_noise_percent: f32 = 30.0, 3e-01..=3e+03, "%", "noise of the force where it is not known, as a slope, 1 sigma", "thesis section 3: variance up by orders of magnitude";
+        bias_force_n: f32 = 250.0, 2e+00..=2e+04, "N", "slow force error that does not grow with mass, 1 sigma", "VECTO long haul: 5 kW at 80 km/h are 225 N";
+        bias_rolling: f32 = 0.15, 2e-03..=2e+01, "1", "slow error as a fraction of rolling resistance, 1 sigma", "wet road 0.1 to 0.2; a wrong parameter 0.1";
+        bias_drag: f32 = 0.1, 1e-03..=1e+01, "1", "slow error as a fraction of air resistance, 1 sigma", "trailers and bodies differ by 10 %";
+        bias_length_m: f32 = 100000.0, 1e+03..=1e+07, "m", "correlation length of the slow error", "a drive";
+        wind_noise_mps: f32 = 0.8, 8e-03..=8e+01, "m/s", "wind along the road that changes within kilometres, 1 sigma", "between gusts of 2 m/s and calm air; the likelihood is flat there";
+        wind_length_m: f32 = 1000.0, 1e+01..=1e+05, "m", "correlation length of the changing wind", "500 to 3000 m change the errors of judged drives by less than 2 %";
+        traction_noise: f32 = 0.02, 2e-04..=2e+00, "1", "error of the traction that changes within kilometres, as a fraction of it, 1 sigma", "actual engine torque (SPN 513) is known to some per cent";
+        scale_walk_per_sqrt_km: f32 = 0.002, 2e-05..=2e-01, "1/√km", "random walk of the scale", "fuel burnt, torque map";
+        overrun_percent: f32 = 0.04, 4e-04..=4e+00, "%", "traction over weight below which the engine drives nothing", "1 % of the torque of a loaded truck in its top gear";
+
+        launch_stop_s: f32 = 3.0, 3e-02..=3e+02, "s", "duration of a cell from which on it holds a stop", "a cell at 1 m/s takes 2.5 s";
+        launch_length_m: f32 = 1000.0, 1e+01..=1e+05, "m", "distance behind a stop within which a vehicle launches", "a loaded truck reaches 80 km/h within a kilometre";
+        launch_mps2: f32 = 0.2, 2e-03..=2e+01, "m/s²", "acceleration from which on it launches", "cruise controls answer roads with less";
+        prior_slope_percent: f32 = 3.0, 3e-02..=3e+02, "%", "slope where a drive begins, 1 sigma", "trunk roads";
+        prior_altitude_m: f32 = 100.0, 1e+00..=1e+04, "m", "altitude before the first fix, 1 sigma", "far beyond the error of a receiver";
+        prior_scale: f32 = 0.1, 1e-03..=1e+01, "1", "scale error at the start, 1 sigma", "mass known to 8 %, torque to 5 %";
+        prior_cold_tyre: f32 = 0.5, 5e-03..=5e+01, "1", "what cold tyres add, as a fraction of rolling resistance, 1 sigma", "reference/literature: 20 to 60 % at the start";
+        prior_tyre_slip: f32 = 0.02, 2e-04..=2e+00, "1", "slip over traction per weight, 1 sigma", "tyres: 0.1 to 0.4. Drivers answer the road, so evidence counts for a fiftieth: a prior that is 7 times tighter";
+        prior_retarder: f32 = 0.4, 4e-03..=4e+01, "1", "error of the retarder's reference torque, 1 sigma", "retarders of 2000 to 4700 Nm on engines of 1850 to 3150 Nm";
+        retarder_noise: f32 = 0.08, 8e-04..=8e+00, "1", "error of the retarder's force that goes on for 20 m, as a fraction of it", "regional drives: 0.05 is too sure, 0.2 loses 3 %";
+        retarder_step_noise: f32 = 2.0, 2e-02..=2e+02, "1", "error of a change of the retarder's force within a cell, as a fraction of it", "the report is a tenth of a second old, and so are speeds";
+
+        bias_shock_percent: f32 = 0.001, 1e-05..=1e-01, "%", "scale of the prior of a step of the bias, a segment", "one step above 0.3 % in 25 km";
+        bias_shock_shape: f32 = 0.5, 5e-03..=5e+01, "1", "shape of that prior", "one degree of freedom: steps are rare and large";
+        bias_shock_most_percent: f32 = 0.6, 6e-03..=6e+01, "%", "largest sigma of a step of the bias", "snow doubles the rolling resistance";
+        kink_percent: f32 = 0.01, 1e-04..=1e+00, "%", "scale of the prior of a kink of the road, a segment", "roads of straight grades";
+        kink_shape: f32 = 1.0, 1e-02..=1e+02, "1", "shape of that prior", "two degrees of freedom";
+        kink_most_percent: f32 = 1.0, 1e-02..=1e+02, "%", "largest sigma of a kink", "junctions";
+        start_shock_percent: f32 = 0.02, 2e-04..=2e+00, "%", "sigma of either at the first round", "broad beside the scales: variances shrink, and hardly grow";
+        doubt_shape: f32 = 0.5, 5e-03..=5e+01, "1", "shape of the prior of a step of the doubtful force", "one degree of freedom";
+        start_doubt_percent: f32 = 0.3, 3e-03..=3e+01, "%", "sigma of that step at the first round", "as above";
+        overrun_doubt_percent: f32 = 0.2, 2e-03..=2e+01, "%", "scale of the prior of a hidden brake, each 20 m", "brakes come on within 20 m";
+        rest_doubt: f32 = 0.5, 5e-03..=5e+01, "1", "scale of the prior of a resting torque, as a fraction of its later jump", "a value held since the middle of the rest";
+        rest_walk_percent: f32 = 0.6, 6e-03..=6e+01, "%/√s", "random walk of a torque that is not renewed, of the reference torque", "torque on motorways";
+        rest_long_s: f32 = 3.0, 3e-02..=3e+02, "s", "rest from which on a torque may be stuck", "cruise controls hold a torque for less";
+        rest_least_percent: f32 = 0.02, 2e-04..=2e+00, "%", "force of a rest from which on it is in doubt, as a slope", "below the noise of a cell";
+        load_shock: f32 = 0.03, 3e-04..=3e+00, "1", "scale of the prior of a load change at a stop", "most stops change nothing";
+        load_shock_shape: f32 = 0.5, 5e-03..=5e+01, "1", "shape of that prior", "one degree of freedom";
+        load_shock_start: f32 = 0.8, 8e-03..=8e+01, "1", "sigma of a load change at the first round", "empty to full";
+        load_told: f32 = 0.3, 1e-3..=1e1, "1", "sigma of a load change at most where the mass is reported", "reports lack some changes; empty to full is rare then";
+        altitude_freedom: f32 = 4.0, 4e-02..=4e+02, "1", "degrees of freedom of the noise of a fix", "usual for outliers (Lange, Little and Taylor 1989)";
+        slow_gnss_freedom: f32 = 3.0, 3e-02..=3e+02, "1", "degrees of freedom of the slow GNSS error, a segment", "2 and 4 change errors by 1 %";
+        slow_gnss_most: f32 = 1000.0, 1e+01..=1e+05, "1", "largest multiplier of it", "steps of 20 m";
+        road_freedom: f32 = 4.0, 4e-02..=4e+02, "1", "degrees of freedom of the road, a segment", "2 to 8 change errors by 1 %";
+        road_most: f32 = 30.0, 3e-01..=3e+03, "1", "largest multiplier of it", "a crest of a minor road";
+        uninformed: f32 = 0.5, 5e-03..=5e+01, "1", "part of the step from mode to mean by which a multiplier without information is larger", "0: smoothed errors 1 % larger; 1: live errors 2 % larger";
+        revive: f32 = 16.0, 1.0..=1e4, "1", "score ρ²/n from which on a closed step opens again", "four sigmas; with 30 snow on a long haul is lost, with 12 live errors of judged drives are 2 % larger";
+        step_odds: f32 = 0.001, 1e-05..=1e-01, "1", "prior odds of a step, a segment", "one in 50 km";
+
+        level_weight: f32 = 20.0, 2e-01..=2e+03, "cells", "number of determined cells that the assumed levels count for", "5 to 40 change errors by 1 %";
+        wind_level_weight: f32 = 6.0, 6e-02..=6e+02, "cells", "same of the wind", "its cells are determined a little each";
+        level_memory_m: f32 = 20000.0, 2e+02..=2e+06, "m", "distance over which levels forget", "a change of the road";
+        road_level_low: f32 = 0.05, 5e-04..=5e+00, "1", "least level of the road", "a runway";
+        road_level_high: f32 = 40.0, 4e-01..=4e+03, "1", "largest level of the road", "a town with its segments: six times the sigma";
+        wind_level_low: f32 = 1.0, 1e-02..=1e+02, "1", "least level of the wind", "the likelihood prefers too little: it cannot tell wind from the receiver";
+        wind_level_high: f32 = 4.0, 4e-02..=4e+02, "1", "largest level of the wind", "without a bound it takes the place of the road on the measured car: 0.46 % instead of 0.57 % on nine trips of ten";
+        slow_gnss_level_low: f32 = 0.35, 3e-03..=4e+01, "1", "least level of the slow GNSS error", "1.8 m: what looks still within seconds is not within minutes";
+        gnss_level_low: f32 = 0.02, 2e-04..=2e+00, "1", "least level of the fast GNSS error", "a seventh of the sigma";
+        gnss_level_high: f32 = 100.0, 1e+00..=1e+04, "1", "largest level of either GNSS error", "ten times the sigma";
+        altitude_level_low: f32 = 0.03, 3e-04..=3e+00, "1", "least level of the white noise of a fix", "a sixth of the sigma";
+        altitude_level_high: f32 = 100.0, 1e+00..=1e+04, "1", "largest level of it", "ten times the sigma";
+        slope_level_low: f32 = 0.03, 1e-4..=1.0, "1", "least level of a slope that is measured directly", "a sixth of the sigma";
+        slope_level_high: f32 = 100.0, 1.0..=1e4, "1", "largest level of it", "ten times the sigma";
+        force_level_low: f32 = 0.1, 1e-03..=1e+01, "1", "least level of the white noise of the force", "a third of the sigma";
+        force_level_high: f32 = 10000.0, 1e+02..=1e+06, "1", "largest level of it", "a hundred times the sigma";
+        speed_level_low: f32 = 0.1, 1e-03..=1e+01, "1", "least level of the noise of the speed", "a third of the sigma";
+        speed_level_high: f32 = 1000.0, 1e+01..=1e+05, "1", "largest level of it", "0.4 m/s: speeds of some loggers";
+        live_multiplier: f32 = 1.5, 1e-02..=2e+02, "1", "multiplier of road and receiver ahead of the window", "mean of four degrees of freedom is 2, mode 0.7";
+        inconsistent_percent: f32 = 0.3, 3e-03..=3e+01, "%", "force beyond which a cell is inconsistent", "five times the error of a smoothed grade";
+        timing_s: f32 = 0.15, 2e-03..=2e+01, "s", "time by which the signals are older than their time stamps, 1 sigma", "buses of other simulators: 0.05 to 0.2 s";
         effect_change_length_m: f32 = 100.0, 2.5..=1e5, "m", "length of a change of an effect's slope that counts as one change", "chosen";
     }
 
-    /// What is assumed where a drive begins, and when that is reset.
+    /// Receivers and reported masses.
+    measurement_noise: MeasurementNoise {
+        many_satellites: f32 = 8.0, 1.0..=50.0, "1", "number of satellites beyond which more do not lower the noise", "chosen";
+        dilution_per_missing_satellite: f32 = 0.5, 0.0..=10.0, "1", "dilution of precision that each satellite below `many_satellites` adds, unless the receiver reports more", "on average four satellites have three times the vertical error of many";
+        largest_dilution: f32 = 50.0, 1.0..=1e4, "1", "dilution of precision that counts at most", "chosen: what is beyond has no weight";
+        reported_mass_sigma: f32 = 0.05, 1e-3..=1.0, "1", "error of a mass that the bus reports as a part of it, 1 sigma", "chosen: axle loads from air springs scatter by some per cent";
+    }
+
+    /// What one drive tells the next.
     prior: Prior {
-        slope_sigma_percent: f32 = 3.0, 0.01..=50.0, "%", "grade before anything is known, 1 sigma", "roads: standard deviation 1 to 3";
-        scale_sigma: f32 = 0.1, 1e-4..=2.0, "1", "error of the traction scale (mass or torque), 1 sigma", "a parameter file for the load at hand: 0.1";
-        unreported_scale_sigma: f32 = 0.35, 1e-4..=2.0, "1", "the same where a drive begins in motion and nothing reports the mass, 1 sigma", "files of another load are common: 40 % more, or 30 % less";
         torque_sigma: f32 = 0.04, 0.0..=1.0, "1", "error of the engine torque as a part of it, 1 sigma: it is in the sigma of the mass", "engine torque is right within 4 %, 1 sigma";
-        cold_tyre_rolling: f32 = 0.5, 0.0..=5.0, "1", "bias besides the usual at the start, as a part of the rolling resistance, 1 sigma", "cold tyres add 0.3 to 0.8 of it";
         kept_bias: f32 = 0.35, 0.0..=1.0, "1", "part of the bias that belongs to the vehicle and is kept for the next drive", "drag area and shape outlast a trip, weather and tyre temperature do not: 0.3 (12 t) to 0.4 (39 t) of the variance";
         kept_scale: f32 = 0.9, 0.0..=1.0, "1", "part of the scale that is kept for the next drive with the same mass", "regular hauls are the rule: one unreported change of load in ten drives";
         any_load_scale_sigma: f32 = 0.25, 1e-4..=5.0, "1", "scale of a vehicle whose load may be any, 1 sigma", "30 % more load make 0.23";
         same_load: f32 = 0.05, 0.0..=1.0, "1", "largest relative change of the mass that is the same load", "scatter of axle loads";
-        open_scale_sigma: f32 = 0.8, 1e-3..=10.0, "1", "scale after a stop, as a part of it: any load, 1 sigma", "an empty and a full combination are a factor of 2.6 apart";
-        same_load_sigma: f32 = 0.03, 0.0..=1.0, "1", "change of the scale over a stop that is the same load, 1 sigma", "passengers, parcels, fuel";
-        same_load_sigmas: f32 = 2.5, 0.1..=100.0, "1", "difference of the scales before and after a stop, in sigmas, beyond which the load changed", "chosen: one false change in 80 stops";
-        launch_m: f32 = 100.0, 2.5..=1e4, "m", "driven distance after which a launch has shown the scale", "gears up to half of the speed";
-        launch_longest_m: f32 = 1_000.0, 2.5..=1e5, "m", "the same where it shows little", "chosen";
-        open_longest_m: f32 = 20_000.0, 2.5..=1e6, "m", "driven distance after which a load that agrees with the one before is taken for the same", "a flat road shows little";
-        launch_scale_sigma: f32 = 0.04, 1e-3..=10.0, "1", "relative sigma of the scale with which it is known well enough to be compared", "chosen: loads differ by more";
-        scale_low: f32 = 0.22, 0.01..=1.0, "1", "smallest scale that a vehicle can have", "an empty tractor with the file of a full combination";
-        scale_high: f32 = 4.5, 1.0..=100.0, "1", "largest scale that a vehicle can have", "the reverse";
-        scale_reset_sigmas: f32 = 3.0, 0.1..=100.0, "1", "distance of the scale from its prior, in sigmas, beyond which the prior was too narrow", "three sigmas";
-        scale_reset_cells: u32 = 200, 1.0..=1e6, "cells", "number of cells for which it must be so", "500 m: single fixes move the scale far and back";
-    }
-
-    /// The accelerometer: its errors, and when it is used.
-    inertial: Inertial {
-        acceleration_sigma_mps2: f32 = 0.2, 1e-3..=10.0, "m/s²", "white noise of one reading, 1 sigma", "road roughness in a cab: 0.1 to 0.3";
-        ratio_low: f32 = 0.02, 1e-4..=1.0, "1", "smallest learned over assumed variance of a reading", "a seventh of the assumed sigma";
-        ratio_high: f32 = 100.0, 1.0..=1e4, "1", "largest learned over assumed variance of a reading", "ten times the assumed sigma";
-        ratio_gain: f32 = 0.01, 0.0..=1.0, "1", "part of a normalised squared innovation by which the ratio follows", "as `speed_ratio_gain`";
-        offset_sigma_mps2: f32 = 0.5, 1e-3..=10.0, "m/s²", "offset before anything is known, 1 sigma", "a mounting angle of 3°";
-        changed_offset_sigma_mps2: f32 = 0.1, 0.0..=10.0, "m/s²", "change of the offset over a drive, 1 sigma", "chosen: its drift, and the bias of the model";
-        kept_offset_sigma_mps2: f32 = 0.05, 0.0..=10.0, "m/s²", "change of the offset from the end of a drive to the start of the next, 1 sigma", "a warm sensor is cold again";
-        drift_mps2_per_sqrt_s: f32 = 0.001, 0.0..=1.0, "m/s²/√s", "random walk of the offset, 1 sigma", "0.02 to 0.05 over twenty minutes of warming up";
-        gain: f32 = 0.05, -1.0..=1.0, "1", "what the reading of a specific force gains because the body pitches under it", "suspensions: 0.3° for 1 m/s²";
-        gain_sigma: f32 = 0.03, 0.0..=1.0, "1", "its error, and that of the sensor's scale, 1 sigma", "chosen";
-        gain_least_sigma: f32 = 0.02, 0.0..=1.0, "1", "its error once learned, 1 sigma", "the scale of the forces looks the same";
-        pitch_gain_sigma: f32 = 0.03, 0.0..=1.0, "1", "what the reading of an acceleration gains besides, 1 sigma", "chosen";
-        pitch_gain_least_sigma: f32 = 0.01, 0.0..=1.0, "1", "its error once learned, 1 sigma", "rotating mass and timing of the torque look the same";
-        scale_sigma: f32 = 0.8, 1e-3..=10.0, "1", "scale of the forces before it is compared with the accelerometer, 1 sigma", "as `open_scale_sigma`";
-        scale_least_sigma: f32 = 0.02, 1e-4..=1.0, "1", "the same once compared, 1 sigma", "as `gain_least_sigma`";
-        air_sigma: f32 = 0.3, 0.0..=10.0, "1", "part of the air resistance that the model lacks, before it is compared with the accelerometer, 1 sigma", "a drag that is off by 15 %, and a steady wind of 3 m/s at 30 m/s";
-        air_least_sigma: f32 = 0.1, 0.0..=10.0, "1", "the same once compared, 1 sigma", "winds change with the direction";
-        scale_error: f32 = 0.1, 0.0..=10.0, "1", "scale error of an accelerometer that may be used, 1 sigma", "chosen: beyond three of it the axis or the unit is wrong";
-        learned_m: f32 = 500.0, 0.0..=1e5, "m", "distance with a valid model before an accelerometer may be used", "chosen";
-        known_sigma_mps2: f32 = 0.03, 1e-4..=10.0, "m/s²", "sigma of its slow errors at which it may be used", "0.3 % of slope";
-        usable_sigma_mps2: f32 = 0.1, 1e-4..=10.0, "m/s²", "the same up to which it begins to be used then; it goes on up to 1.5 times that", "1 % of slope";
-        known_scale_sigma: f32 = 0.15, 1e-3..=10.0, "1", "sigma of the scale by the accelerometer at which it may be used", "a sensor on another axis or in another unit differs by more";
-        largest_usual: f32 = 9.0, 1.0..=1e4, "1", "usual square of a block of innovations over its variance, beyond which the accelerometer is not used", "chosen";
-        frozen_cells: u16 = 20, 1.0..=65_535.0, "cells", "equal readings in a row that show a stuck accelerometer", "chosen: road noise moves the mean of a cell";
-        block_cells: u8 = 8, 1.0..=255.0, "cells", "cells over which innovations are summed to compare force and accelerometer", "20 m";
-        slack: f32 = 0.7, 0.0..=10.0, "1", "part of each block that is usual, in sigmas", "half of the smallest shift that is looked for";
-        sum: f32 = 7.0, 0.1..=1e3, "1", "sum of blocks, in sigmas, that shows a wrong force", "a false one in a thousand kilometres";
-        small_slack: f32 = 0.3, 0.0..=10.0, "1", "the same where a small error is looked for", "half of it";
-        small_sum: f32 = 12.0, 0.1..=1e3, "1", "sum of blocks, in sigmas, that shows a small error", "as rare";
-        suspicion: f32 = 2.0, 0.0..=100.0, "1", "error of the force that is suspected where a sum is nearly that large, as a part of what the accelerometer shows, 1 sigma", "chosen";
-        unchanged_part: f32 = 0.4, 0.0..=1.0, "1", "part of both sums that is enough while the traction stays the same to the last digit for unusually long", "a stuck torque does";
-        unchanged_s: f32 = 3.5, 0.1..=1e4, "s", "time for which a traction stays the same to the last digit, beyond twice the longest so far, at which that part is reached", "chosen";
-        agreed_sigmas: f32 = 2.0, 0.1..=100.0, "1", "largest difference of a block, in sigmas, that agrees", "two sigmas";
-        agreed_blocks: u16 = 6, 1.0..=1e4, "blocks", "blocks in a row that must agree before a force is believed again", "120 m";
-        doubt: f32 = 0.3, 0.0..=10.0, "1", "part of a disagreement that may be the accelerometer's, 1 sigma", "chosen";
-        longest_m: f32 = 3_000.0, 2.5..=1e6, "m", "distance of a disagreement after which the accelerometer is rejected", "chosen: torque comes back sooner";
-        unchanged_percent_per_s: f32 = 0.5, 0.0..=100.0, "%/s", "what is not known of a traction for each second for which it stays the same unusually long, 1 sigma", "traction follows the road: 0.1 % in a cell at most";
-        weigh_m: f32 = 250.0, 2.5..=1e6, "m", "distance between two measurements of the scale by the accelerometer", "chosen";
-        alone_m: f32 = 200.0, 2.5..=1e6, "m", "distance without a valid model from which the sigma contains the slow error of the accelerometer", "its noise is larger before that";
-    }
-
-    /// Gates: which measurements to reject.
-    gates: Gates {
-        speed_test_ratio: f32 = 25.0, 1.0..=1e6, "1", "normalised squared innovation beyond which a speed is a step of the sensor", "five sigmas";
-        slope_step_cells: f32 = 8.0, 1.0..=1e3, "cells", "cells over which innovations of the speed are summed to find a step of the slope", "20 m: roads bend over more";
-        slope_step_sigmas: f32 = 5.0, 0.1..=100.0, "1", "sum of such innovations, in sigmas, that is a step", "chosen";
-        slope_step_first_cells: u16 = 200, 0.0..=65_535.0, "cells", "cells before the first step may be found", "1 km: the noise of the speed is learned by then";
-        slope_step_rest_cells: u16 = 20, 0.0..=65_535.0, "cells", "cells between two steps", "chosen";
-        slope_step_gain: f32 = 0.005, 0.0..=1.0, "1", "part of a squared sum by which its usual size follows", "a memory of 200 cells";
-        slope_step_largest: f32 = 4.0, 1.0..=1e4, "1", "squared sum over its usual size that counts at most for it", "a step is not usual";
-        slope_step_percent: f32 = 0.7, 0.0..=50.0, "%", "size of a step, 1 sigma", "snow doubles or triples a rolling resistance of 0.6";
-        altitude_test_ratio: f32 = 25.0, 1.0..=1e6, "1", "normalised squared innovation beyond which an altitude is rejected", "five sigmas: errors among houses have heavy tails";
-        receiver_step_fixes: u8 = 4, 1.0..=255.0, "fixes", "rejected fixes in a row that make a step of the receiver", "chosen";
-        receiver_step_agreement: f32 = 0.5, 0.0..=1.0, "1", "part of their offset within which these fixes must agree", "chosen";
-        contradiction_percent: f32 = 3.0, 0.0..=100.0, "%", "offset over the distance without a fix above which a growing one shows a wrong model", "a receiver does not drift by 3 m in 100";
-        drift_sigmas: f32 = 4.0, 0.1..=1e3, "1", "difference of climbs by GNSS and by the model, in sigmas, beyond which the receiver drifts", "chosen on simulated drives: no false drift in 20 drives";
-        drift_fixes: u8 = 3, 1.0..=255.0, "fixes", "compared fixes in a row that must say so", "chosen";
-        drift_segment_m: f32 = 100.0, 2.5..=1e4, "m", "length of a segment over which climbs are compared", "chosen: ten segments are one kilometre";
-        drift_model_sigma_m: f32 = 0.1, 0.0..=10.0, "m", "error of the model's climb that does not grow with length, 1 sigma", "reading noise at both ends";
-        drift_model_most_percent: f32 = 1.5, 0.0..=100.0, "%", "slope of a drift up to which the model may be off instead", "snow at three times the rolling resistance is 1.2";
-        drift_slope_sigma_percent: f32 = 0.25, 1e-3..=100.0, "%", "largest sigma of bias, wind and scale, as a slope, with which the model can test a receiver", "chosen: where a drive begins, the model is off";
-        drift_ratio_high: f32 = 10.0, 1.0..=1e4, "1", "largest learned over assumed variance of the climbs' difference", "three times the assumed sigma";
-        drift_ratio_gain: f32 = 0.005, 0.0..=1.0, "1", "part of a comparison by which the ratio follows", "a memory of 200 comparisons";
-        drift_largest_mean: f32 = 2.0, 1.0..=1e4, "1", "mean normalised squared difference that a comparison counts as at most", "a drift is not usual";
-        doubt_mean: f32 = 3.0, 0.1..=1e4, "1", "mean normalised squared difference of a comparison beyond which the model is in doubt", "chosen: 1 is expected; 5 % of the cells on hilly roads without a fault";
-        doubt_fixes: u8 = 4, 1.0..=255.0, "fixes", "compared fixes in a row, of the same sign, that must say so", "chosen: 100 m and more";
-        drift_end_ratio: f32 = 4.0, 0.1..=1e4, "1", "normalised squared difference below which a drift is over", "two sigmas";
-        drift_end_m: f32 = 300.0, 2.5..=1e5, "m", "length over which the climbs must agree again", "chosen";
-        drift_longest_m: f32 = 2_500.0, 2.5..=1e6, "m", "length after which a drift is an error of the model", "chosen: receivers recover sooner";
-        drift_believed_m: f32 = 5_000.0, 2.5..=1e6, "m", "length for which fixes are used untested afterwards", "chosen: the filter relearns its bias";
-        altitude_gap_s: f32 = 10.0, 0.1..=1e4, "s", "time without an altitude that counts as a gap", "slow receivers send every 5 s";
-        gnss_silence: ms = 900_000, 0.0..=1e8, "ms", "time without an altitude after which the next one sets the altitude", "altitudes of telematics come every 2 to 10 minutes, and teach the bias; beyond, the receiver's state is another one";
+        kept_level_cells: f32 = 100.0, 0.0..=1e6, "cells", "determined cells that the levels of the last drive count for", "a quarter of a kilometre of this drive weighs as much";
     }
 
     /// Hold times, delays and timeouts.
@@ -182,7 +138,6 @@ tuning! {
         brake_hold: ms = 1_000, 0.0..=60_000.0, "ms", "time for which the model stays invalid after braking", "brakes release within a second";
         retarder_hold: ms = 2_000, 0.0..=60_000.0, "ms", "time for which the model stays invalid after retarder torque", "a retarder empties slowly";
         gnss_latency: ms = 150, 0.0..=10_000.0, "ms", "age of a GNSS fix when it arrives", "typical of receivers on a bus";
-        held_torque_timeout: ms = 1_500, 0.0..=60_000.0, "ms", "age beyond which a torque is unknown whose repeated values are no new ones", "tables at 1 Hz renew it sooner";
         torque_timeout: ms = 2_500, 0.0..=60_000.0, "ms", "age beyond which torque, force or engine speed are unknown", "tables at 1 Hz, one row missing";
         speed_timeout: ms = 2_500, 0.0..=2_500.0, "ms", "longest time between two speed readings that is bridged", "tables at 1 Hz, one row missing";
         state_timeout: ms = 5_000, 0.0..=600_000.0, "ms", "age beyond which a gear, a switch or a quality figure is unknown", "slowest sender of such a signal: 1 s";
@@ -212,22 +167,6 @@ tuning! {
         brake_pedal_percent: f32 = 0.5, 0.0..=100.0, "%", "pedal travel beyond an offset", "resolution of SPN 521: 0.4";
         retarder_percent: f32 = -1.5, -100.0..=0.0, "%", "retarder torque below which it brakes", "resolution of SPN 520: 1, and its drag";
         retarder_force_n: f32 = 300.0, 0.0..=100_000.0, "N", "force of the retarder at the wheels beyond which it brakes", "1.5 % of a retarder of 3500 Nm on the shaft";
-        undeclared_brake_percent: f32 = 3.0, 0.0..=100.0, "%", "slope of the moment above that of the road so far that is a brake, where none is reported", "no road steepens by 3 within metres";
-        undeclared_brake_sigmas: f32 = 4.0, 0.0..=100.0, "1", "the same in standard deviations of the one around the other", "four sigmas";
-        undeclared_brake_moment_cells: f32 = 4.0, 1.0..=1e4, "cells", "cells over which the slope of the moment is averaged", "noise of the wheel speed";
-        undeclared_brake_road_cells: f32 = 40.0, 1.0..=1e4, "cells", "cells over which the slope of the road is averaged", "100 m";
-        undeclared_brake_sigma_cells: f32 = 400.0, 1.0..=1e5, "cells", "cells over which the standard deviation is averaged", "1 km";
-        undeclared_brake_longest_cells: u16 = 200, 1.0..=65_535.0, "cells", "cells after which it was a slope", "500 m";
-        held_rest: ms = 800, 0.0..=60_000.0, "ms", "time for which a torque is the same, after which its change follows a rest", "frames come ten times as often at least";
-        held_part: f32 = 0.9, 0.0..=1.0, "1", "part of the movement of a torque after rests, beyond which it is held between them", "fresh torque steps after a rest where the driver lets go, and moves on at once elsewhere";
-        held_after_percent: f32 = 100.0, 0.0..=1e5, "%", "movement of the torque after which it may be found to be held", "some five changes; a part of 0.3 at most follows rests on the trips of the measured car";
-        silent_brake_traction_percent: f32 = 0.1, -10.0..=10.0, "%", "traction over weight up to which the engine drives nothing", "drivers do not brake and drive at once";
-        silent_brake_sum: f32 = 10.0, 0.1..=1e3, "1", "sum of altitudes below the climb of the model, in sigmas, that shows a brake then", "a false one in a thousand kilometres without traction";
-        silent_brake_least_percent: f32 = 1.5, 0.0..=100.0, "%", "slope that it hides at least", "receivers drift by 1 m in 100 m";
-        silent_brake_steepest_percent: f32 = 15.0, 0.0..=100.0, "%", "slope beyond which it is an error of the altitude", "no main road is steeper";
-        silent_brake_slack: f32 = 0.5, 0.0..=10.0, "1", "part of each that is usual, in sigmas", "half of the smallest shift that is looked for";
-        silent_brake_most: f32 = 3.5, 0.1..=100.0, "1", "most that one of them counts, in sigmas", "chosen: one may be an outlier";
-        silent_brake_slope_percent: f32 = 6.0, 0.0..=100.0, "%", "slope that an unreported brake may hide, 1 sigma", "steep descents of main roads";
         speed_hardest_mps2: f32 = 10.0, 1.0..=100.0, "m/s²", "largest acceleration of a vehicle on tyres", "friction of 1";
         speed_step_mps: f32 = 0.3, 0.0..=10.0, "m/s", "difference of two speed readings besides that", "noise, and steps of 1 km/h";
         speed_believed: ms = 1_000, 0.0..=60_000.0, "ms", "time for which readings agree on another speed until it counts", "chosen";

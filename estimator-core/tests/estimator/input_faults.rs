@@ -2,7 +2,7 @@
 
 use estimator_core::intake::{Rate, RateMonitor};
 use estimator_core::signal::{FrameOutcome, Rejection, encode};
-use estimator_core::{Counters, Decoder, Estimator, Instant, Outcome, Signal, Tuning, Value};
+use estimator_core::{Counters, Decoder, Estimator, Instant, Outcome, Signal, Step, Tuning, Value};
 use test_kit::{Noise, TestFrame, frames_of, truck};
 
 const EEC1: u32 = 61_444;
@@ -68,7 +68,10 @@ impl Bus {
     fn put(&mut self, pgn: u32, moment: Moment) -> Outcome {
         let now = Instant::from_micros(self.now_us);
         let outcome = self.estimator.on_frame(now, &frame(pgn, moment));
-        while self.estimator.step().is_some() {
+        while let Some(step) = self.estimator.step() {
+            if step != Step::Moved {
+                continue;
+            }
             let live = self.estimator.live().unwrap();
             self.suspect.push(!live.disagreement.is_none());
         }

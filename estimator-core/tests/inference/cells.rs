@@ -1,6 +1,6 @@
 //! Cells for the tests.
 
-use estimator_core::robust::{CellInput, Marks, Reading};
+use estimator_core::filter::{CellInput, Marks, Reading};
 use proptest::prelude::*;
 
 /// A truck of 20 t at 20 m/s on a level road.
@@ -24,11 +24,16 @@ pub const LEVEL: CellInput = CellInput {
         behind_m: 1.0,
         variance: 0.05,
     },
+    since_speed_m: 2.5,
     energy_per_slip: 4.0,
     altitude: Reading::NONE,
+    slope: Reading::NONE,
     rest_percent: 0.0,
     marks: Marks {
         invalid: false,
+        slope_is_read: false,
+        by_accelerometer: false,
+        mass_told: false,
         overrun: false,
         rest_begins: false,
         load_stop: false,

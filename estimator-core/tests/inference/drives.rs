@@ -1,12 +1,12 @@
 //! Drives whose noises are known: the inference finds their variances.
 
 use crate::cells::{LEVEL, first, fix};
+use estimator_core::filter::{CellInput, Quantity, Record, State};
 use estimator_core::inference::doubt::DoubtFinder;
 use estimator_core::inference::round::Memory;
 use estimator_core::inference::{
     CellModel, CellVariances, Levels, Numbers, Round, SEGMENT_CELLS, SegmentVariances, Stretch,
 };
-use estimator_core::robust::{CellInput, Quantity, Record, State};
 use test_kit::Noise;
 
 const CELLS: usize = 4_000;
@@ -83,6 +83,8 @@ fn infer(cells: &[CellInput], slopes: &[f64]) -> Inferred {
     let mut round = Round {
         model: CellModel::new(&numbers),
         levels: Levels::ONE,
+        infers: true,
+        leaving: 0,
     };
     let start = State::<f64>::at_start(&numbers, &cells[0], 0.0);
     let (mut squares, mut errors) = (0.0, 0.0);
@@ -96,24 +98,18 @@ fn infer(cells: &[CellInput], slopes: &[f64]) -> Inferred {
             checkpoints: &mut [State::ZERO],
             records: &mut vec![Record::EMPTY; cells.len()],
         };
-        let found = round.run(
-            &start,
-            &mut stretch,
-            &mut memory,
-            0,
-            !last,
-            |k, record, adjoint| {
-                let slope = adjoint.smooth(&record.state, Quantity::RoadSlope);
-                if last && k > 200 && k < cells.len() - 200 {
-                    let error = slope.mean - slopes[k];
-                    squares += error * error / slope.variance;
-                    errors += error * error;
-                }
-            },
-        );
+        round.infers = !last;
+        let pass = round.run(&start, &mut stretch, &mut memory, |k, record, adjoint| {
+            let slope = adjoint.smooth(&record.state, Quantity::RoadSlope);
+            if last && k > 200 && k < cells.len() - 200 {
+                let error = slope.mean - slopes[k];
+                squares += error * error / slope.variance;
+                errors += error * error;
+            }
+        });
         if !last {
-            found.fixed_point.revive(&numbers, &mut segments);
-            round.levels = found.fixed_point.sums.levels(&numbers);
+            pass.found.revive(&numbers, &mut segments);
+            round.levels = pass.found.sums.levels(&numbers);
         }
     }
     let counted = (cells.len() - 401) as f64;

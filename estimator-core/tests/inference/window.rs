@@ -2,9 +2,9 @@
 
 use crate::cells::{LEVEL, any_cell, first, fix};
 use estimator_core::Scalar;
-use estimator_core::inference::window::{CellSlope, LAG_CELLS, UPDATE_CELLS};
+use estimator_core::filter::{CellInput, Reading, State};
+use estimator_core::inference::window::{LAG_CELLS, UPDATE_CELLS};
 use estimator_core::inference::{Numbers, Window};
-use estimator_core::robust::{CellInput, Reading};
 use proptest::prelude::*;
 
 /// Grades, %, with their variances.
@@ -13,21 +13,30 @@ type Grades = Vec<(f32, f32)>;
 /// The live and lagged grades of a drive, and how often the window began anew.
 fn grades<S: Scalar>(cells: &[CellInput]) -> (Grades, Grades, u32) {
     let numbers = Numbers::default();
-    let mut window = Box::new(Window::<S>::new(false));
-    let (mut live, mut lagged) = (Vec::new(), Vec::new());
-    for (k, cell) in cells.iter().enumerate() {
-        let slope = window.push(&numbers, cell, None, 0.3).slope;
-        live.push((slope.mean, slope.variance));
-        let ends = k + 1 == cells.len();
-        if window.is_due() || ends {
-            window.update(&numbers, ends, |behind, CellSlope { slope, .. }| {
-                if lagged.len() + behind == k {
-                    lagged.push((slope.mean, slope.variance));
-                }
-            });
-        }
+    let mut window = Box::new(Window::<S>::new());
+    let (mut live, mut lagged, mut restarts) = (Vec::new(), Vec::new(), 0);
+    for cell in cells {
+        let found = window.push(&numbers, cell, None, || {
+            State::at_start(&numbers, cell, 0.3)
+        });
+        live.push((found.slope.mean, found.slope.variance));
+        restarts += u32::from(found.restarted);
+        work(&numbers, &mut window, &mut lagged);
     }
-    (live, lagged, window.restarts())
+    window.begin_end(&numbers);
+    work(&numbers, &mut window, &mut lagged);
+    (live, lagged, restarts)
+}
+
+/// Does all work that is left, and takes the grades whose lag is over.
+fn work<S: Scalar>(numbers: &Numbers, window: &mut Window<S>, lagged: &mut Grades) {
+    while window.is_busy() {
+        assert!(window.next_finished().is_none());
+        window.work(numbers);
+    }
+    while let Some((cell, _)) = window.next_finished() {
+        lagged.push((cell.slope.mean, cell.slope.variance));
+    }
 }
 
 /// A road of hills of 1 km on which the speed is held.
@@ -60,17 +69,16 @@ fn every_cell_is_given_once_in_order_behind_its_lag() {
     }
     // Nothing before the lag is over.
     let numbers = Numbers::default();
-    let mut window = Box::new(Window::<f32>::new(false));
+    let mut window = Box::new(Window::<f32>::new());
+    let mut lagged = Vec::new();
     for (k, cell) in hills(LAG_CELLS + UPDATE_CELLS).iter().enumerate() {
-        window.push(&numbers, cell, None, 0.3);
-        if window.is_due() {
-            let mut given = 0;
-            window.update(&numbers, false, |behind, _| {
-                assert!(behind >= LAG_CELLS);
-                given += 1;
-            });
-            assert_eq!(given > 0, k + 1 > LAG_CELLS, "cell {k}");
-        }
+        window.push(&numbers, cell, None, || {
+            State::at_start(&numbers, cell, 0.3)
+        });
+        work(&numbers, &mut window, &mut lagged);
+        let is_due = k + 1 >= LAG_CELLS + UPDATE_CELLS;
+        assert_eq!(lagged.is_empty(), !is_due, "cell {k}");
+        assert!(lagged.is_empty() || k + 1 - lagged.len() >= LAG_CELLS);
     }
 }
 

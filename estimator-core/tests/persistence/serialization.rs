@@ -99,7 +99,6 @@ fn sample() -> impl Strategy<Value = Sample> {
                 after_load_change: !flag,
                 after_stop: flag,
                 mass_is_reported: flag,
-                torque_rests: !flag,
                 torque_rest: Default::default(),
                 retarder_n: 0.0,
                 service_braking: false,

@@ -1,7 +1,7 @@
 //! Reversing: the distance stands still, no cells are made, and forward cells go on afterwards.
 
 use estimator_core::sample::Sample;
-use estimator_core::{Estimator, Instant, Reading, Signal, Tuning, Value};
+use estimator_core::{Estimator, Instant, Reading, Signal, Step, Tuning, Value};
 use test_kit::by_force;
 use test_kit::readings_drive::ReadingsDrive;
 
@@ -167,8 +167,9 @@ fn an_estimator_makes_no_cell_in_reverse_and_counts_none_twice() {
                 let value = Value::Real(value);
                 let now = Instant::from_micros(100_000 * tick);
                 estimator.on_reading(now, Reading { signal, value });
-                while estimator.step().is_some() {
-                    cells.extend(estimator.live().map(|live| live.end.cell));
+                while let Some(step) = estimator.step() {
+                    let live = estimator.live().filter(|_| step == Step::Moved);
+                    cells.extend(live.map(|live| live.end.cell));
                 }
             }
         }

@@ -44,54 +44,6 @@ fn a_motor_through_a_single_reduction_needs_neither_gear_nor_speed() {
 }
 
 #[test]
-fn a_torque_rests_in_the_cells_in_which_it_does_not_change() {
-    for signal in [Signal::MotorTorque, Signal::EngineTorque] {
-        let mut drive = electric();
-        last(&mut drive, &[(signal, 40.0)]);
-        let same = drive.on(2.0, &[(signal, 40.0), (Signal::WheelSpeed, 20.0)]);
-        assert!(same.iter().all(|sample| sample.torque_rests));
-        let changed = drive.on(2.0, &[(signal, 41.0), (Signal::WheelSpeed, 20.0)]);
-        let moving: Vec<bool> = changed.iter().map(|sample| !sample.torque_rests).collect();
-        assert!(moving[0] && !moving[1..].contains(&true), "{moving:?}");
-    }
-}
-
-/// Drives with torques that each last 5 s. Returns for how long the last one is known, s.
-fn known_s(signal: Signal, torques: &[f32]) -> f32 {
-    let mut drive = electric();
-    let mut samples = Vec::new();
-    for torque in torques {
-        samples = drive.on(5.0, &[(signal, *torque), (Signal::WheelSpeed, 20.0)]);
-    }
-    let known = samples
-        .iter()
-        .filter(|sample| !sample.end.condition.no_traction);
-    known.map(|sample| sample.duration_s).sum()
-}
-
-#[test]
-fn a_torque_that_is_held_is_unknown_between_its_changes() {
-    for signal in [Signal::MotorTorque, Signal::EngineTorque] {
-        // A change is one of 30 % of the engine's torque, and of 12 % of the motor's.
-        let few_s = known_s(signal, &[20.0, 50.0, 20.0]);
-        assert!((few_s - 5.0).abs() < 0.3, "{few_s} s");
-        let many_s = known_s(signal, &[20.0, 50.0].repeat(6));
-        assert!((many_s - 1.5).abs() < 0.3, "{many_s} s");
-    }
-}
-
-#[test]
-fn a_measured_force_is_no_torque_that_rests() {
-    let mut drive = ReadingsDrive::of(by_force());
-    let samples = drive.on(
-        5.0,
-        &[(Signal::TractionForce, 4_000.0), (Signal::WheelSpeed, 20.0)],
-    );
-    assert!(samples.len() > 20);
-    assert!(!samples.iter().any(|sample| sample.torque_rests));
-}
-
-#[test]
 fn a_part_of_the_reference_torque_through_a_single_reduction_needs_none_either() {
     let sample = last(&mut electric(), &[(Signal::EngineTorque, 40.0)]);
     assert_force(&sample, 0.4 * REFERENCE_NM);
@@ -266,21 +218,4 @@ fn a_single_reduction_has_the_ratio_that_is_measured_and_is_open_in_reverse() {
         (Signal::WheelSpeed, 3.0),
     ];
     assert_eq!(drive.on(10.0, &readings), [], "it reverses");
-}
-
-#[test]
-fn a_torque_that_its_sender_holds_counts_when_it_is_new() {
-    for signal in [Signal::EngineTorque, Signal::MotorTorque] {
-        let mut drive = electric();
-        let mut counted = Vec::new();
-        for second in 0..60_u8 {
-            let before = drive.context.counters.tractions_used;
-            let torque = 40.0 + f32::from(second % 2) * 15.0;
-            drive.on(1.0, &[(signal, torque), (Signal::WheelSpeed, 20.0)]);
-            counted.push(drive.context.counters.tractions_used - before);
-        }
-        // Ten a second, until it has shown that it rests between changes. Then one.
-        assert_eq!(counted[1..5], [10; 4], "{signal:?}");
-        assert_eq!(counted[50..], [1; 10], "{signal:?}");
-    }
 }

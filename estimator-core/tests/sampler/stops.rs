@@ -1,10 +1,10 @@
 //! Stops: which masses count, and what a stop resets.
 
-use estimator_core::filter::StateIndex::{Bias, Scale};
+use estimator_core::estimator::CellEstimator;
 use estimator_core::sample::Sample;
-use estimator_core::{Signal, Tuning};
+use estimator_core::{Context, Estimate, Signal, Tuning};
 use test_kit::readings_drive::ReadingsDrive;
-use test_kit::{FilterRun, altitude, by_force, sample, speed, truck};
+use test_kit::{altitude, by_force, sample, speed, truck};
 
 fn at(mps: f32, mass_kg: Option<f32>) -> Vec<(Signal, f32)> {
     let mass = mass_kg.map(|kg| (Signal::Mass, kg));
@@ -138,11 +138,13 @@ fn a_cell_counts_no_more_speeds_than_its_counter_holds() {
     }
 }
 
-/// Drives hills of 2 % and 2 km at a steady speed; `change` is applied to each sample. Returns sigma
-/// of scale and bias, the scale's error, and how often a load change reopened them.
-fn hills(change: impl Fn(u16, &mut Sample)) -> ([f64; 3], u32) {
-    let mut run = FilterRun::<f64>::new(truck(), Tuning::default());
-    for cell in 0..12_000_u16 {
+/// Drives hills of 2 % and 2 km at a steady speed; `change` is applied to each sample. Returns the live
+/// estimate at the end, and after how many stops the load was opened.
+fn hills(change: impl Fn(u16, &mut Sample)) -> (Estimate, u32) {
+    let mut context = Context::new(truck(), Tuning::default()).unwrap();
+    let mut estimator = Box::new(CellEstimator::<f64>::new());
+    let mut live = None;
+    for cell in 0..11_990_u16 {
         let angle = f32::from(cell) * (2.5 / 2_000.0 * core::f32::consts::TAU);
         let force_n = 3_926.0 + 39_000.0 * 9.806_65 * 0.02 * angle.sin();
         let mut sample = sample(cell.into(), force_n, 20.0);
@@ -151,11 +153,10 @@ fn hills(change: impl Fn(u16, &mut Sample)) -> ([f64; 3], u32) {
             sample.altitude = altitude(100.0 - 6.366 * angle.cos());
         }
         change(cell, &mut sample);
-        run.step(&sample);
+        estimator.push_and_work(&mut context, &sample);
+        live = estimator.live(&context, &sample);
     }
-    let state = run.filter.state().unwrap();
-    let found = [state.sigma(Scale), state.sigma(Bias), state.mean[Scale]];
-    (found, run.context.counters.loads_reopened)
+    (live.unwrap().estimate, context.counters.loads_reopened)
 }
 
 /// Makes a sample the first one behind a stop, at walking speed.
@@ -166,41 +167,45 @@ fn launched(sample: &mut Sample) {
 }
 
 #[test]
-fn what_was_learned_is_reset_after_a_load_change() {
+fn a_stop_opens_the_load_and_a_long_one_cools_the_tyres() {
     let (before, none) = hills(|_, _| ());
-    let (after, once) = hills(|cell, sample| {
-        if cell == 11_999 {
-            sample.after_load_change = true;
-            launched(sample);
-        }
-    });
+    let at_end = |is_long: bool| {
+        hills(|cell, sample| {
+            if cell == 11_988 {
+                sample.after_load_change = is_long;
+                launched(sample);
+            }
+        })
+    };
+    let ((short, once), (long, _)) = (at_end(false), at_end(true));
     assert_eq!((none, once), (0, 1));
-    assert!(before[0] < 0.03 && before[1] < 0.2, "{before:?}");
-    // Any load, as a part of the scale, and cold tyres.
-    let any = 0.8 * (1.0 + before[2]);
-    assert!((after[0] / any - 1.0).abs() < 0.01, "{after:?}");
-    assert!(after[1] > 0.3, "{after:?}");
-    assert!((after[2] - before[2]).abs() < 0.02, "{before:?} {after:?}");
+    assert!(
+        before.scale.sigma < 0.03 && before.bias_percent.sigma < 0.2,
+        "{before:?}"
+    );
+    for after in [short, long] {
+        assert!(after.scale.sigma > 0.7, "{after:?}");
+        assert!(
+            (after.scale.value - before.scale.value).abs() < 0.02,
+            "{after:?}"
+        );
+    }
+    assert!(short.bias_percent.sigma < 0.25, "{short:?}");
+    assert!(long.bias_percent.sigma > 0.3, "{long:?}");
 }
 
 #[test]
 fn a_load_that_did_not_change_is_known_again_within_a_kilometre() {
     let (never, _) = hills(|_, _| ());
-    let stop_at = |stop: u16| {
-        hills(|cell, sample| {
-            if cell == stop {
-                launched(sample);
-            }
-        })
-    };
-    let ((at_stop, _), (after, none)) = (stop_at(11_999), stop_at(11_599));
-    assert_eq!(none, 0);
-    assert!(at_stop[0] > 0.79, "{at_stop:?}");
-    // What was known, and 3 % that passengers and parcels change.
-    let known = f64::hypot(never[0], 0.03);
+    let (after, once) = hills(|cell, sample| {
+        if cell == 11_599 {
+            launched(sample);
+        }
+    });
+    assert_eq!(once, 1);
+    assert!(after.scale.sigma < 0.06, "{after:?}");
     assert!(
-        after[0] < known && after[0] > never[0],
-        "{after:?} {never:?}"
+        (after.scale.value - never.scale.value).abs() < 0.03,
+        "{never:?} {after:?}"
     );
-    assert!((after[2] - never[2]).abs() < 0.02, "{never:?} {after:?}");
 }

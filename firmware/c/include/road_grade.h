@@ -24,7 +24,7 @@
  * Memory for an estimator, bytes. It is enough on every target; `grade_estimator_bytes` tells the
  * exact number.
  */
-#define GRADE_ESTIMATOR_BYTES 49152
+#define GRADE_ESTIMATOR_BYTES 98304
 
 /**
  * Alignment of that memory, bytes.
@@ -39,7 +39,7 @@
 /**
  * Length of a persistent state, bytes.
  */
-#define GRADE_PERSISTENT_STATE_BYTES 92
+#define GRADE_PERSISTENT_STATE_BYTES 84
 
 /**
  * Memory for a map's place and horizon, bytes. It is enough on every target; `grade_map_bytes` tells
@@ -332,6 +332,10 @@ typedef struct GradeDisagreement {
     bool gear;
 } GradeDisagreement;
 /**
+ * Everything agrees.
+ */
+#define GradeDisagreement_NONE (GradeDisagreement){ .climb = false, .brake = false, .torque = false, .speed = false, .gear = false }
+/**
  * Number of kinds of disagreement.
  */
 #define GradeDisagreement_KINDS 5
@@ -538,81 +542,27 @@ typedef struct GradeCounters {
      */
     uint32_t altitudes_used;
     /**
-     * Altitudes rejected by the gate.
+     * Altitudes that the live filter left out: it gates them, the lagged estimate weighs them.
      */
     uint32_t altitudes_rejected;
     /**
-     * Of these, outliers.
+     * Slopes that were measured directly, and used live.
      */
-    uint32_t altitude_outliers;
+    uint32_t slopes_used;
+    /**
+     * Such slopes that the live filter left out.
+     */
+    uint32_t slopes_rejected;
     /**
      * Speeds that differ from the prediction by more than the model allows; the speed was reset.
      */
     uint32_t speed_steps;
     /**
-     * Times that the accelerometer was found wrong, or that a wrong force explains the same; it is
-     * used again once it agrees.
-     */
-    uint32_t accelerometers_rejected;
-    /**
-     * Directly measured slopes used: vertical speed, pitch.
-     */
-    uint32_t slopes_used;
-    /**
-     * Directly measured slopes that were not used, because they or their sensor disagree with the
-     * estimate.
-     */
-    uint32_t slopes_rejected;
-    /**
-     * Cells in which the brake detector found a brake, without any brake signal.
-     */
-    uint32_t brakes_guessed;
-    /**
-     * Stops after which the variances of scale and bias were widened.
+     * Stops after which the load may be another one.
      */
     uint32_t loads_reopened;
     /**
-     * Launches that showed another load than before the stop.
-     */
-    uint32_t loads_changed;
-    /**
-     * Times that the prior of the scale was reset.
-     */
-    uint32_t scales_reopened;
-    /**
-     * Times that the scale left what a vehicle can have: changes of traction mislead it.
-     */
-    uint32_t scales_out_of_bounds;
-    /**
-     * Gaps without an altitude.
-     */
-    uint32_t altitude_gaps;
-    /**
-     * Steps of the receiver's datum.
-     */
-    uint32_t altitude_steps;
-    /**
-     * Drifts of the GNSS altitude.
-     */
-    uint32_t altitude_drifts;
-    /**
-     * Of these, drifts that lasted too long for one.
-     */
-    uint32_t altitude_drifts_believed;
-    /**
-     * Times that altitudes left the climb of the forces steadily, which no receiver does.
-     */
-    uint32_t climbs_contradicted;
-    /**
-     * Steps of the slope that no road makes.
-     */
-    uint32_t slope_steps;
-    /**
-     * Times that the altitude was set from a fix.
-     */
-    uint32_t altitude_resets;
-    /**
-     * Steps with a non-finite result; the filter was restarted.
+     * Steps with a result that is no number; the filter was restarted.
      */
     uint32_t restarts;
 } GradeCounters;
@@ -796,9 +746,10 @@ enum GradeStatus grade_on_reading(struct GradeEstimator *estimator,
                                   double value);
 
 /**
- * Moves the filter over one cell of 2.5 m. Call it after each frame until it returns `NOTHING`.
+ * Does a share of work: moves the filter over one cell of 2.5 m, or goes on with the lagged
+ * estimates. Call it after each frame until it returns `NOTHING`.
  *
- * Errors: `NULL`, `MISALIGNED`, `NOT_CREATED`, `BUSY`; `NOTHING` if no cell is ready.
+ * Errors: `NULL`, `MISALIGNED`, `NOT_CREATED`, `BUSY`; `NOTHING` if nothing is left to do.
  *
  * # Safety
  * `estimator` leads to memory of an estimator.

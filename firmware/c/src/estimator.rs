@@ -15,13 +15,13 @@ use estimator_core::{
 
 /// Memory for an estimator, bytes. It is enough on every target; `grade_estimator_bytes` tells the
 /// exact number.
-pub const GRADE_ESTIMATOR_BYTES: usize = 49152;
+pub const GRADE_ESTIMATOR_BYTES: usize = 98304;
 /// Alignment of that memory, bytes.
 pub const GRADE_ALIGNMENT: usize = 8;
 /// Length of a packed vehicle, bytes.
 pub const GRADE_PACKED_VEHICLE_BYTES: usize = 1008;
 /// Length of a persistent state, bytes.
-pub const GRADE_PERSISTENT_STATE_BYTES: usize = 92;
+pub const GRADE_PERSISTENT_STATE_BYTES: usize = 84;
 
 const _: () = assert!(size_of::<Estimator>() <= GRADE_ESTIMATOR_BYTES);
 const _: () = assert!(align_of::<Estimator>() <= GRADE_ALIGNMENT);
@@ -327,9 +327,10 @@ fn value_of(signal: Signal, number: f64) -> Value {
     }
 }
 
-/// Moves the filter over one cell of 2.5 m. Call it after each frame until it returns `NOTHING`.
+/// Does a share of work: moves the filter over one cell of 2.5 m, or goes on with the lagged
+/// estimates. Call it after each frame until it returns `NOTHING`.
 ///
-/// Errors: `NULL`, `MISALIGNED`, `NOT_CREATED`, `BUSY`; `NOTHING` if no cell is ready.
+/// Errors: `NULL`, `MISALIGNED`, `NOT_CREATED`, `BUSY`; `NOTHING` if nothing is left to do.
 ///
 /// # Safety
 /// `estimator` leads to memory of an estimator.
@@ -339,7 +340,7 @@ pub unsafe extern "C" fn grade_step(estimator: *mut Estimator) -> Status {
     // SAFETY: the caller's promise.
     let slot = unsafe { Estimator::slot(estimator) };
     let step = |estimator: &mut estimator_core::Estimator<f32>| match estimator.step() {
-        Some(Step::Moved(_) | Step::Skipped) => Ok(()),
+        Some(Step::Moved | Step::Skipped | Step::Smoothed) => Ok(()),
         None => Err(Status::Nothing),
     };
     status(slot.and_then(|slot| slot.with(step)))

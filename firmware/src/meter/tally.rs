@@ -16,11 +16,9 @@ impl CountTally {
         self.worst = self.worst.max(count);
     }
 
-    /// Adds all counts of another tally.
-    pub fn add_all(&mut self, other: &Self) {
-        self.calls += other.calls;
-        self.sum += other.sum;
-        self.worst = self.worst.max(other.worst);
+    /// Adds to the sum without another call.
+    pub fn add_to_last(&mut self, count: u32) {
+        self.sum += u64::from(count);
     }
 
     /// Returns the number of calls.

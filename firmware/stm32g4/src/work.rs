@@ -151,9 +151,8 @@ fn take(
         InboxItem::Reading(time, reading) => estimator.on_reading(*time, *reading),
     };
     while let Some(step) = estimator.step() {
-        let Step::Moved(event) = step else { continue };
-        if let Some(event) = event {
-            defmt::info!("{}", event);
+        if step != Step::Moved {
+            continue;
         }
         if let (Some(on_map), Some(live)) = (on_map.as_deref_mut(), estimator.live()) {
             on_map.advance(&live);

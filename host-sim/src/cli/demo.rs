@@ -179,15 +179,7 @@ fn drive(
     let vehicle = VehicleFile::read(&file("vehicle.toml"))?;
     let options = ReadOptions::default();
     let roads = KnownRoads::default();
-    let estimated = estimate::drive::<f32>(
-        &vehicle,
-        tuning,
-        None,
-        roads,
-        estimate::Method::default(),
-        &log,
-        &options,
-    )?;
+    let estimated = estimate::drive::<f32>(&vehicle, tuning, None, roads, &log, &options)?;
     check_inputs(&log, &vehicle, &estimated, &options)?;
     let rows = estimated.in_memory()?.rows;
     run::write(&file("csv"), &rows)?;

@@ -13,7 +13,6 @@ use crate::files::vehicle::VehicleFile;
 use crate::files::{data_set, kept};
 use crate::map::open_packed_map;
 use crate::recorder::{self, LongRun, Recorder, RunSummary};
-use crate::smooth::held_bytes;
 use crate::source::read_options::ReadOptions;
 use crate::terminal::print::{note, print};
 use crate::terminal::progress;
@@ -76,25 +75,12 @@ pub struct Args {
     /// Compute in double precision instead of single precision.
     #[arg(long)]
     double: bool,
-    /// How the variances of the noises are found.
-    #[arg(long, value_enum, default_value_t)]
-    method: Method,
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
     /// Log of frames (candump, ASC, TRC, BLF, MDF 4, CSV of SavvyCAN or python-can) or signal table (.csv);
     /// plain, gzip or zstd; - is standard input.
     log: PathBuf,
-}
-
-/// How the variances of the noises are found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Method {
-    /// By detectors of single faults.
-    #[default]
-    Detectors,
-    /// All by one inference. It replaces the detectors soon.
-    Robust,
 }
 
 impl Args {
@@ -167,25 +153,9 @@ pub fn run(args: &Args) -> Result<()> {
     let last = last.as_ref();
     let roads = args.roads()?;
     let mut run = if args.double {
-        drive::<f64>(
-            &vehicle,
-            &tuning,
-            last,
-            roads,
-            args.method,
-            &args.log,
-            &options,
-        )?
+        drive::<f64>(&vehicle, &tuning, last, roads, &args.log, &options)?
     } else {
-        drive::<f32>(
-            &vehicle,
-            &tuning,
-            last,
-            roads,
-            args.method,
-            &args.log,
-            &options,
-        )?
+        drive::<f32>(&vehicle, &tuning, last, roads, &args.log, &options)?
     };
     let seconds = started.elapsed().as_secs_f64();
     log_notes::note_report(&args.log, &run.log);
@@ -226,10 +196,6 @@ fn print_summary(args: &Args, run: &mut LongRun, seconds: f64) -> Result<()> {
             frames as f64 / seconds
         ));
     }
-    note(format_args!(
-        "whole-run smoothing used {} kB",
-        held_bytes(run.rows.count()) / 1000
-    ));
     Ok(())
 }
 
@@ -246,15 +212,11 @@ pub(super) fn drive<S: Scalar>(
     tuning: &Tuning,
     last: Option<&PersistentState>,
     roads: KnownRoads,
-    method: Method,
     log: &Path,
     options: &ReadOptions,
 ) -> Result<LongRun> {
     let mut recorder = Recorder::<S>::resume(&vehicle.model, tuning, last)
         .map_err(|e| Error::content(log, e.to_string()))?;
-    if method == Method::Robust {
-        recorder.infer_variances();
-    }
     if let Some(map) = roads.map {
         recorder.follow(map);
     }

@@ -10,7 +10,6 @@ use crate::recorder::{Recorder, SmoothedRun};
 use crate::source::input::{LogInput, for_each_input};
 use crate::source::log_report::LogReport;
 use crate::source::read_options::ReadOptions;
-use estimator_core::filter::Filter;
 use estimator_core::sample::Sample;
 use estimator_core::{Model, Signal, Tuning};
 use std::path::Path;
@@ -22,8 +21,6 @@ pub struct LoggedDrive {
     pub samples: Vec<Sample>,
     /// The estimate.
     pub run: SmoothedRun,
-    /// A filter in the estimator's initial state, with its sensor noise.
-    pub filter: Filter<f64>,
     /// What the reading of the log told.
     pub log: LogReport,
     /// Speed and accelerometer, if they were asked for and the log has both. The estimate does not
@@ -79,7 +76,6 @@ impl LoggedDrive {
             recorder.on_input(&input);
         };
         let log = for_each_input(path, options, |_| (), take)?;
-        let filter = recorder.estimator().second_pass_filter();
         let (run, samples) = recorder.finish_with_samples()?;
         if run.rows.is_empty() {
             return Err(Error::content(
@@ -90,7 +86,6 @@ impl LoggedDrive {
         Ok(Self {
             samples,
             run,
-            filter,
             log,
             accelerometer: collector.and_then(Collector::profile),
         })

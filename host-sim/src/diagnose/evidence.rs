@@ -13,7 +13,8 @@
 //! models", Econometrica 50:1, 1982).
 
 use super::drive::LoggedDrive;
-use estimator_core::filter::{Filter, StateVector, StepRecord};
+use crate::smooth::Piece;
+use estimator_core::filter::{Record, STATES, VehicleCells};
 use estimator_core::vehicle::GRAVITY;
 use estimator_core::{CELL_LENGTH_M, Context, Counters, Model, Tuning};
 use nalgebra::{DMatrix, DVector};
@@ -56,23 +57,30 @@ impl FromIterator<SegmentSums> for Evidence {
 /// Tried standard deviations of the wind, m/s.
 pub const WINDS_MPS: [f32; 5] = [0.1, 0.2, 0.4, 0.8, 1.6];
 
+/// Rounds in which the variances of road, receiver and force are inferred.
+const ROUNDS: usize = 6;
+
 /// Returns the tuning of the filter for the search. Errors that are the same on all drives are
 /// candidates of the search. The filter's own slow states therefore have only the variance of what
-/// differs from drive to drive and along a drive, such as wind. The drift gate and the reset of the
-/// scale are off: they would remove the effects that are searched for.
+/// differs from drive to drive and along a drive, such as wind. The bias has no steps, and neither slip
+/// nor retarder are learned: they would take the place of the effects that are searched for.
 #[must_use]
-pub fn judging_tuning(estimator: &Tuning, wind_sigma_mps: f32) -> Tuning {
+pub fn judging_tuning(estimator: &Tuning, wind_noise_mps: f32) -> Tuning {
     let mut tuning = estimator.clone();
-    let process_noise = &mut tuning.process_noise;
-    process_noise.wind_sigma_mps = wind_sigma_mps;
-    process_noise.bias_force_n = 20.0;
-    process_noise.bias_rolling = 0.01;
-    process_noise.bias_drag = 0.01;
-    process_noise.bias_length_m = 20_000.0;
-    tuning.prior.cold_tyre_rolling = 0.0;
-    tuning.prior.scale_sigma = 0.02;
-    tuning.prior.scale_reset_sigmas = f32::MAX;
-    tuning.gates.drift_sigmas = f32::MAX.sqrt();
+    let numbers = &mut tuning.estimation;
+    numbers.wind_noise_mps = wind_noise_mps;
+    (numbers.wind_level_low, numbers.wind_level_high) = (1.0, 1.0);
+    numbers.bias_force_n = 20.0;
+    numbers.bias_rolling = 0.01;
+    numbers.bias_drag = 0.01;
+    numbers.bias_length_m = 20_000.0;
+    numbers.traction_noise = 0.0;
+    numbers.prior_cold_tyre = 0.0;
+    numbers.prior_scale = 0.02;
+    numbers.prior_tyre_slip = 0.0;
+    numbers.prior_retarder = 0.0;
+    numbers.bias_shock_most_percent = 0.0;
+    numbers.start_shock_percent = 1e-3;
     tuning
 }
 
@@ -85,13 +93,16 @@ pub fn segments(
     tuning: &Tuning,
     columns: &[ForceColumn],
 ) -> Vec<SegmentSums> {
-    let mut context = Context {
+    let context = Context {
         model: model.clone(),
         tuning: tuning.clone(),
         counters: Counters::default(),
     };
-    let mut filter: Filter<f64> = Filter::new(tuning, &logged.filter.noise(), None);
-    let mut errors = vec![StateVector::ZERO; columns.len()];
+    let (mut piece, mut maker) = (Piece::default(), VehicleCells::default());
+    for sample in &logged.samples {
+        piece.push(&context, None, &mut maker, sample, true);
+    }
+    let mut errors = vec![[0.0; STATES]; columns.len()];
     let mut response = DVector::zeros(columns.len());
     let empty = || SegmentSums {
         drive,
@@ -102,26 +113,27 @@ pub fn segments(
     let mut found = Vec::new();
     let mut segment = empty();
     let mut length_m = 0.0;
-    for (k, sample) in logged.samples.iter().enumerate() {
-        let Some(record) = filter.step(&mut context, sample) else {
-            continue;
-        };
-        let weight_n = sample.forces.mass_kg * GRAVITY;
-        let per_newton = f64::from(sample.length_m / weight_n);
+    let before_speed = logged.samples.len() - piece.cells.len();
+    let samples = &logged.samples[before_speed..];
+    let Some(mut inferred) = piece.infer_quickly(&tuning.estimation, ROUNDS) else {
+        return Vec::new();
+    };
+    inferred.forward(|index, cell, dynamics, record| {
+        let weight_n = samples[index].forces.mass_kg * GRAVITY;
+        let per_newton = f64::from(CELL_LENGTH_M / weight_n);
         for (j, (error, column)) in errors.iter_mut().zip(columns).enumerate() {
-            let missing_m = f64::from(column[k]) * per_newton;
+            let missing_m = f64::from(column[before_speed + index]) * per_newton;
             response[j] = record
-                .smoother_input
-                .carry_error(error, missing_m)
+                .carry_error(cell, dynamics, error, missing_m)
                 .unwrap_or(0.0);
         }
-        segment.take(&record, &response);
+        segment.take(record, &response);
         length_m += f64::from(CELL_LENGTH_M);
         if length_m >= SEGMENT_M {
             found.push(std::mem::replace(&mut segment, empty()));
             length_m = 0.0;
         }
-    }
+    });
     found.push(segment);
     found
 }
@@ -141,8 +153,8 @@ impl Evidence {
 }
 
 impl SegmentSums {
-    fn take(&mut self, record: &StepRecord<f64>, response: &DVector<f64>) {
-        let Some(applied) = record.smoother_input.altitude() else {
+    fn take(&mut self, record: &Record<f64>, response: &DVector<f64>) {
+        let Some(applied) = record.altitude.as_ref() else {
             return;
         };
         let per_variance = 1.0 / applied.innovation_variance;

@@ -33,9 +33,6 @@ use estimator_core::{Duration, Tuning};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Evidence that no drive gives.
-const CERTAIN_EVIDENCE: f32 = 100.0;
-
 /// Lower limits of the levels, so that no variance is zero.
 mod least {
     /// Wheel speed, m/s: a step of SPN 84 is 0.001.
@@ -50,8 +47,6 @@ mod least {
     pub const WIND_MPS: f64 = 0.01;
     /// Traction scale, 1.
     pub const SCALE: f32 = 1e-3;
-    /// The same after a stop, as a part of it.
-    pub const OPEN_SCALE: f32 = 1e-3;
     /// Random walk of the scale, per square root of a km.
     pub const SCALE_WALK: f32 = 1e-5;
 }
@@ -211,33 +206,49 @@ impl OracleFile {
             .map(|(sigma_n, time_s)| (sigma_n * sigma_n, sigma_n * sigma_n / time_s))
             .fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
         let mut tuning = Tuning::default();
-        let measurement = &mut tuning.measurement_noise;
-        measurement.speed_sigma_mps = at_least(noise.speed_sigma_mps, least::SPEED_MPS);
-        measurement.altitude_sigma_m = at_least(noise.gnss_white_sigma_m, least::ALTITUDE_M);
-        measurement.gnss_error_sigma_m = at_least(noise.gnss_slow.sigma_m, least::ALTITUDE_M);
-        measurement.gnss_error_time_s = noise.gnss_slow.time_s as f32;
-        let process = &mut tuning.process_noise;
-        process.force_noise_n = at_least(noise.force_white_sigma_n, least::FORCE_N);
-        process.bias_force_n = least::FORCE_N as f32;
-        process.bias_rolling = 0.0;
-        process.bias_drag = 0.0;
+        let numbers = &mut tuning.estimation;
+        numbers.speed_noise_mps = at_least(noise.speed_sigma_mps, least::SPEED_MPS);
+        numbers.altitude_noise_m = at_least(noise.gnss_white_sigma_m, least::ALTITUDE_M);
+        numbers.slow_gnss_noise_m = at_least(noise.gnss_slow.sigma_m, least::ALTITUDE_M);
+        numbers.slow_gnss_time_s = noise.gnss_slow.time_s as f32;
+        numbers.fast_gnss_noise_m = least::ALTITUDE_M as f32;
+        numbers.force_noise_n = at_least(noise.force_white_sigma_n, least::FORCE_N);
+        numbers.bias_force_n = least::FORCE_N as f32;
+        numbers.bias_rolling = 0.0;
+        numbers.bias_drag = 0.0;
         if let Some(tyres) = noise.cold_tyres {
-            process.bias_length_m = (run_mps * tyres.time_s) as f32;
+            numbers.bias_length_m = (run_mps * tyres.time_s) as f32;
         }
-        process.wind_sigma_mps = at_least(variance.sqrt() / (air * run_mps), least::WIND_MPS);
+        numbers.wind_noise_mps = at_least(variance.sqrt() / (air * run_mps), least::WIND_MPS);
         if per_s > 0.0 {
-            process.wind_length_m = (run_mps * variance / per_s) as f32;
+            numbers.wind_length_m = (run_mps * variance / per_s) as f32;
         }
-        process.scale_walk_per_sqrt_km = least::SCALE_WALK;
-        tuning.prior.cold_tyre_rolling = noise.cold_tyres.map_or(0.0, |tyres| tyres.amount) as f32;
-        tuning.prior.scale_sigma = least::SCALE;
-        // The load and the levels of the noise are known.
-        tuning.prior.unreported_scale_sigma = least::SCALE;
-        tuning.prior.open_scale_sigma = least::OPEN_SCALE;
-        tuning.process_noise.level_evidence = CERTAIN_EVIDENCE;
-        tuning.process_noise.inertia_noise = 0.0;
-        tuning.measurement_noise.force_ratio_high = 1.0;
-        tuning.gates.slope_step_percent = 0.0;
+        numbers.traction_noise = 0.0;
+        numbers.scale_walk_per_sqrt_km = least::SCALE_WALK;
+        numbers.prior_cold_tyre = noise.cold_tyres.map_or(0.0, |tyres| tyres.amount) as f32;
+        numbers.prior_scale = least::SCALE;
+        numbers.prior_tyre_slip = 0.0;
+        // The load does not change, nothing steps, and the levels of the noise are known.
+        numbers.load_shock = least::SCALE;
+        numbers.load_shock_start = least::SCALE;
+        numbers.bias_shock_most_percent = 0.0;
+        numbers.inertia_noise = 0.0;
+        numbers.timing_s = 0.0;
+        for level in [
+            &mut numbers.wind_level_low,
+            &mut numbers.wind_level_high,
+            &mut numbers.slow_gnss_level_low,
+            &mut numbers.gnss_level_low,
+            &mut numbers.gnss_level_high,
+            &mut numbers.altitude_level_low,
+            &mut numbers.altitude_level_high,
+            &mut numbers.force_level_low,
+            &mut numbers.force_level_high,
+            &mut numbers.speed_level_low,
+            &mut numbers.speed_level_high,
+        ] {
+            *level = 1.0;
+        }
         tuning.hold_times.gnss_latency = Duration::from_micros((noise.gnss_latency_s * 1e6) as u64);
         tuning
     }

@@ -1,6 +1,5 @@
 //! Runs the estimator over one drive and stores its output.
 
-use super::inferred_grades::{InferredGrades, LiveAndLagged};
 use super::long_run::{LongRun, Rows, SmoothedRun, no_room};
 use super::placed_samples::PlacedSamples;
 use super::plausibility::Plausibility;
@@ -11,7 +10,7 @@ use crate::files::flash_image::RoadMemoryFile;
 use crate::files::run::RunRow;
 use crate::files::spool::Spool;
 use crate::files::utc::utc_of;
-use crate::smooth::{Samples, SmoothedCell, smooth_inferred, smooth_segments};
+use crate::smooth::{Known, Samples, SmoothedCell, smooth_pieces};
 use crate::source::can_frame::TimedFrame;
 use crate::source::input::LogInput;
 use crate::source::log_report::LogReport;
@@ -36,17 +35,6 @@ struct OnlineGrades {
     lagged_consistent: bool,
 }
 
-impl From<LiveAndLagged> for OnlineGrades {
-    fn from((live, lagged): LiveAndLagged) -> Self {
-        Self {
-            live: live.slope.grade(),
-            lagged: lagged.slope.grade(),
-            live_consistent: live.is_consistent,
-            lagged_consistent: lagged.is_consistent,
-        }
-    }
-}
-
 /// Runs the estimator over one drive and stores its output.
 #[derive(Debug)]
 pub struct Recorder<S> {
@@ -54,8 +42,6 @@ pub struct Recorder<S> {
     start: Option<Instant>,
     samples: PlacedSamples,
     grades: Spool<OnlineGrades, GRADES_SLOT>,
-    /// The grades with inferred variances, if these are the ones that count.
-    inferred: Option<InferredGrades<S>>,
     roads: Roads,
     plausibility: Plausibility,
     roadway_grade: RoadwayGrade,
@@ -121,11 +107,6 @@ impl<S: Scalar> Recorder<S> {
         }
     }
 
-    /// Estimates with inferred variances, from the first input on.
-    pub fn infer_variances(&mut self) {
-        self.inferred = Some(InferredGrades::new());
-    }
-
     /// Combines the live grade with that of a map from now on.
     pub fn follow(&mut self, map: PackedMap<'static>) {
         self.roads.follow(map);
@@ -189,27 +170,27 @@ impl<S: Scalar> Recorder<S> {
     fn collect(&mut self) {
         self.new_cells.clear();
         while let Some(step) = self.estimator.step() {
-            if let Step::Moved(_) = step {
+            if step == Step::Moved {
                 self.advance_map();
             }
-            if let Some(sample) = self.estimator.sample() {
-                let latency = self.estimator.gnss_latency();
-                let vehicle = &self.estimator.model().vehicle;
-                self.plausibility.sample(sample, vehicle);
-                let mut kept = self.samples.push(sample, latency);
-                if let Some(inferred) = &mut self.inferred {
-                    let grades = &mut self.grades;
-                    inferred.push(self.estimator.context(), sample, |finished| {
-                        let pushed = grades.push(&OnlineGrades::from(finished));
-                        kept = std::mem::replace(&mut kept, Ok(())).and(pushed);
-                    });
-                }
-                self.note_failure(kept);
+            if step != Step::Smoothed {
+                self.take_sample();
             }
             while let Some(cell) = self.estimator.next_cell() {
                 self.take_cell(cell);
             }
         }
+    }
+
+    fn take_sample(&mut self) {
+        let Some(sample) = self.estimator.sample() else {
+            return;
+        };
+        let latency = self.estimator.gnss_latency();
+        let vehicle = &self.estimator.model().vehicle;
+        self.plausibility.sample(sample, vehicle);
+        let kept = self.samples.push(sample, latency);
+        self.note_failure(kept);
     }
 
     fn advance_map(&mut self) {
@@ -228,10 +209,8 @@ impl<S: Scalar> Recorder<S> {
             live_consistent: cell.live_consistent,
             lagged_consistent: cell.lagged_consistent,
         };
-        if self.inferred.is_none() {
-            let kept = self.grades.push(&grades);
-            self.note_failure(kept);
-        }
+        let kept = self.grades.push(&grades);
+        self.note_failure(kept);
         self.new_cells.push(cell);
     }
 
@@ -297,15 +276,6 @@ impl<S: Scalar> Recorder<S> {
         while let Some(cell) = self.estimator.drain_cell() {
             self.take_cell(cell);
         }
-        if let Some(inferred) = &mut self.inferred {
-            let grades = &mut self.grades;
-            let mut kept = Ok(());
-            inferred.end(|finished| {
-                let pushed = grades.push(&OnlineGrades::from(finished));
-                kept = std::mem::replace(&mut kept, Ok(())).and(pushed);
-            });
-            self.note_failure(kept);
-        }
         if let Some(trouble) = self.trouble.take() {
             return Err(trouble);
         }
@@ -328,18 +298,11 @@ impl<S: Scalar> Recorder<S> {
             rows.put(first, segment)
         };
         let estimator = &self.estimator;
-        let disagreements = if self.inferred.is_some() {
-            smooth_inferred(estimator.context(), samples, put)?
-        } else {
-            let second_pass = estimator.second_pass_filter::<f64>();
-            smooth_segments(
-                estimator.model(),
-                estimator.tuning(),
-                &second_pass,
-                samples,
-                put,
-            )?
+        let known = Known {
+            slow_states: estimator.known(),
+            hides_brakes: estimator.hides_brakes(),
         };
+        let disagreements = smooth_pieces(estimator.context(), known, samples, put)?;
         Ok(LongRun {
             rows,
             model: self.estimator.model().clone(),
@@ -351,9 +314,7 @@ impl<S: Scalar> Recorder<S> {
             map: self.roads.map.as_ref().map(|map| *map.counters()),
             memory: None,
             roadway_grade: self.roadway_grade.comparison(),
-            warnings: self
-                .plausibility
-                .judge(&self.estimator.model().vehicle, self.estimator.counters()),
+            warnings: self.plausibility.judge(&self.estimator.model().vehicle),
         })
     }
 }
@@ -366,7 +327,6 @@ impl<S> From<Estimator<S>> for Recorder<S> {
             start: None,
             samples: PlacedSamples::default(),
             grades: Spool::default(),
-            inferred: None,
             roads: Roads::default(),
             plausibility: Plausibility::default(),
             roadway_grade: RoadwayGrade::default(),

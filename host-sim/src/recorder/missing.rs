@@ -28,7 +28,7 @@ pub fn check_inputs(
 #[must_use]
 pub fn missing(vehicle: &VehicleFile, run: &LongRun, ignored: &[Signal]) -> Option<&'static str> {
     let counters = &run.counters;
-    let has_altitude = counters.altitudes_used > 0 || counters.altitude_resets > 0;
+    let has_altitude = counters.altitudes_used > 0;
     let problem = if counters.speeds_used == 0 {
         "no speed: expected wheel-based speed (CCVS1, PGN 65265, or EBC2, PGN 65215; column \
          wheel_speed_mps)"

@@ -6,7 +6,6 @@
 mod drive_recorder;
 mod estimate_log;
 mod horizon_log;
-mod inferred_grades;
 pub mod latencies;
 mod long_run;
 mod missing;

@@ -7,12 +7,11 @@ use crate::score::END_CUT_M;
 use crate::simulator::scenario::Scenario;
 use crate::simulator::truck::Preset;
 use crate::simulator::{SimulatedRun, simulate};
-use crate::smooth::{ForwardCell, smooth_run};
-use estimator_core::filter::{Filter, Quantity, SensorNoiseRatios};
+use crate::smooth::{Known, smooth_run};
+use estimator_core::estimator::CellEstimator;
 use estimator_core::signal::{Decoder, Signal};
-use estimator_core::smoother::BackwardPass;
-use estimator_core::smoother::fixed_lag::BLOCK_CELLS;
-use estimator_core::{Context, Estimator, Sample, Tuning, Uncertain};
+use estimator_core::{Cell, CellEnd, Context, Estimator, Sample, Step, Tuning, Uncertain};
+use std::iter::from_fn;
 use std::ops::Range;
 use std::path::Path;
 
@@ -44,8 +43,8 @@ pub struct DriveErrors {
     pub smoothed: ErrorSums,
     /// Errors of the live grade.
     pub live: ErrorSums,
-    /// Errors of the lagged grade, for each requested lag.
-    pub lagged: Vec<ErrorSums>,
+    /// Errors of the lagged grade.
+    pub lagged: ErrorSums,
     /// Estimated minus true traction scale, and its sigma, at [`SCALE_AT_M`].
     pub scale: (f64, f64),
 }
@@ -95,58 +94,41 @@ impl DriveOnRoad {
         })
     }
 
-    /// Estimates the drive without the signals in `missing`, and compares it with the truth. `lags`
-    /// are in blocks of cells. Returns `None` if there is no estimate.
+    /// Estimates the drive without the signals in `missing`, and compares it with the truth. Returns
+    /// `None` if there is no estimate.
     #[must_use]
-    pub fn errors(&self, missing: &[Signal], lags: &[usize]) -> Option<DriveErrors> {
+    pub fn errors(&self, missing: &[Signal]) -> Option<DriveErrors> {
         let tuning = Tuning::default();
         let mut estimator = Estimator::<f32>::new(self.run.vehicle.model.clone(), tuning.clone())
             .expect("the simulator checked the vehicle");
         let samples = samples(&self.run, missing, &mut estimator);
-        let mut filter = Filter::<f32>::new(&tuning, &SensorNoiseRatios::default(), None);
-        let mut context = Context::new(estimator.model().clone(), tuning.clone())
+        let mut context = Context::new(estimator.model().clone(), tuning)
             .expect("the estimator checked the vehicle");
-        let cells: Vec<ForwardCell<f32>> = samples
-            .iter()
-            .filter_map(|sample| ForwardCell::step(&mut filter, &mut context, sample))
-            .collect();
+        let (cells, scales) = cells(&mut context, &samples);
         if cells.is_empty() {
             return None;
         }
-        let smoothed = smooth_run(
-            estimator.model(),
-            &tuning,
-            &estimator.second_pass_filter::<f64>(),
-            &samples,
-        );
-        let judged = self.judged(&cells);
-
+        let smoothed = smooth_run(&context, Known::default(), &samples);
+        let judged = self.judged(cells.iter().map(|cell| cell.end));
         let mut errors = DriveErrors {
             smoothed: ErrorSums::default(),
             live: ErrorSums::default(),
-            lagged: Vec::new(),
-            scale: scale_error(&cells, self.true_scale),
+            lagged: ErrorSums::default(),
+            scale: scale_error(&cells, &scales, self.true_scale),
         };
-        for (k, true_percent) in judged.iter().enumerate() {
+        for ((cell, smoothed), true_percent) in cells.iter().zip(&smoothed).zip(judged) {
             if let Some(true_percent) = true_percent {
-                errors
-                    .smoothed
-                    .add(smoothed[k].estimate.grade_percent, *true_percent);
-                errors.live.add(
-                    cells[k].state.quantity(Quantity::Slope).grade(),
-                    *true_percent,
-                );
+                let grade = smoothed.estimate.grade_percent;
+                errors.smoothed.add(grade, true_percent);
+                errors.live.add(cell.live_grade_percent, true_percent);
+                errors.lagged.add(cell.lagged_grade_percent, true_percent);
             }
         }
-        errors.lagged = lags
-            .iter()
-            .map(|lag| lagged(&cells, &judged, *lag))
-            .collect();
         Some(errors)
     }
 
     /// Returns the true grade (%) of each cell that is judged, `None` for the others.
-    fn judged(&self, cells: &[ForwardCell<f32>]) -> Vec<Option<f64>> {
+    fn judged(&self, ends: impl Iterator<Item = CellEnd> + Clone) -> Vec<Option<f64>> {
         let truth: Vec<(f64, f64)> = self
             .run
             .truth
@@ -154,15 +136,12 @@ impl DriveOnRoad {
             .map(|t| (t.time_s, t.grade_percent))
             .collect();
         let start = self.run.frames[0].time;
-        let ends_m = between_cuts(cells);
-        cells
-            .iter()
-            .map(|cell| {
-                let end = &cell.record.end;
-                let time_s = end.time.since(start).as_secs_f64();
-                linear(&truth, time_s).filter(|_| ends_m.contains(&end.distance_m()))
-            })
-            .collect()
+        let ends_m = between_cuts(ends.clone());
+        ends.map(|end| {
+            let time_s = end.time.since(start).as_secs_f64();
+            linear(&truth, time_s).filter(|_| ends_m.contains(&end.distance_m()))
+        })
+        .collect()
     }
 }
 
@@ -204,8 +183,9 @@ fn samples(run: &SimulatedRun, missing: &[Signal], estimator: &mut Estimator<f32
                 return;
             }
             estimator.on_reading(frame.time, reading);
-            while estimator.step().is_some() {
-                samples.extend(estimator.sample().copied());
+            while let Some(step) = estimator.step() {
+                let sample = estimator.sample().filter(|_| step != Step::Smoothed);
+                samples.extend(sample.copied());
                 while estimator.next_cell().is_some() {}
             }
         });
@@ -213,33 +193,29 @@ fn samples(run: &SimulatedRun, missing: &[Signal], estimator: &mut Estimator<f32
     samples
 }
 
-/// Returns the range of distances (m) that is judged, without the ends of the drive.
-fn between_cuts(cells: &[ForwardCell<f32>]) -> Range<f64> {
-    let end_m = |cell: &ForwardCell<f32>| cell.record.end.distance_m();
-    end_m(&cells[0]) + END_CUT_M..end_m(&cells[cells.len() - 1]) - END_CUT_M
-}
-
-/// Judges the lagged grades. The core finishes cells one block at a time.
-fn lagged(cells: &[ForwardCell<f32>], judged: &[Option<f64>], lag_blocks: usize) -> ErrorSums {
-    let mut errors = ErrorSums::default();
-    for from in (0..cells.len()).step_by(BLOCK_CELLS) {
-        let block = from..(from + BLOCK_CELLS).min(cells.len());
-        let to = (block.end + lag_blocks * BLOCK_CELLS).min(cells.len());
-        let mut pass = BackwardPass::new();
-        for k in (from..to).rev() {
-            if let Some(true_percent) = judged[k].filter(|_| block.contains(&k)) {
-                let slope = cells[k].state.quantity(Quantity::Slope);
-                errors.add(pass.smooth(&slope).grade(), true_percent);
-            }
-            pass.retreat(&cells[k].record.smoother_input);
+/// Returns the cells of the drive, and the live scale at the end of each.
+fn cells(context: &mut Context, samples: &[Sample]) -> (Vec<Cell>, Vec<Uncertain>) {
+    let mut estimator = CellEstimator::<f32>::new();
+    let (mut cells, mut scales) = (Vec::new(), Vec::new());
+    for sample in samples {
+        if estimator.push_and_work(context, sample) {
+            let live = estimator.live(context, sample);
+            scales.push(live.map_or_else(Uncertain::default, |live| live.estimate.scale));
         }
+        cells.extend(from_fn(|| estimator.next_cell(context)));
     }
-    errors
+    cells.extend(from_fn(|| estimator.drain_cell(context)));
+    (cells, scales)
 }
 
-fn scale_error(cells: &[ForwardCell<f32>], true_scale: f64) -> (f64, f64) {
-    let at = cells.partition_point(|cell| cell.record.end.distance_m() < SCALE_AT_M);
-    let state = &cells[at.min(cells.len() - 1)].state;
-    let scale = state.quantity(Quantity::Scale).uncertain().plus(1.0);
+/// Returns the range of distances (m) that is judged, without the ends of the drive.
+fn between_cuts(ends: impl Iterator<Item = CellEnd>) -> Range<f64> {
+    let ends_m: Vec<f64> = ends.map(|end| end.distance_m()).collect();
+    ends_m[0] + END_CUT_M..ends_m[ends_m.len() - 1] - END_CUT_M
+}
+
+fn scale_error(cells: &[Cell], scales: &[Uncertain], true_scale: f64) -> (f64, f64) {
+    let at = cells.partition_point(|cell| cell.end.distance_m() < SCALE_AT_M);
+    let scale = scales[at.min(scales.len() - 1)];
     (f64::from(scale.value) - true_scale, f64::from(scale.sigma))
 }

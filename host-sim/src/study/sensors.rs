@@ -8,7 +8,6 @@ use crate::score::END_CUT_M;
 use crate::simulator::truck::Preset;
 use crate::terminal::progress;
 use estimator_core::signal::Signal;
-use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, LAG_CELLS};
 use rayon::prelude::*;
 
 /// The study, for the list.
@@ -111,7 +110,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
                 let drive = DriveOnRoad::new(setting.seed + i / 2, truck, i % 2 == 1, RECEIVER_M)?;
                 let of_cases = cases
                     .iter()
-                    .map(|(_, missing)| drive.errors(missing, &[LAG_CELLS / BLOCK_CELLS]))
+                    .map(|(_, missing)| drive.errors(missing))
                     .collect();
                 bar.inc(1);
                 Ok(of_cases)
@@ -143,7 +142,7 @@ fn table(cases: &[(&str, Vec<Signal>)], of_trucks: &[Vec<OfTruck>]) -> Table {
                 .filter_map(|of_cases| of_cases[case].as_ref())
                 .collect();
             let kinds: [fn(&DriveErrors) -> &ErrorSums; 3] =
-                [|e| &e.smoothed, |e| &e.lagged[0], |e| &e.live];
+                [|e| &e.smoothed, |e| &e.lagged, |e| &e.live];
             let mean = |value: &dyn Fn(&DriveErrors) -> f64| mean_of(found.iter().copied(), value);
             if found.is_empty() {
                 row.extend(["none"; 4].map(str::to_owned));

@@ -14,7 +14,7 @@ pub struct CountedEvent {
 }
 
 /// Keys whose name differs from the key.
-const NAMES: [(&str, &str); 24] = [
+const NAMES: [(&str, &str); 16] = [
     ("frames malformed", "malformed frames"),
     ("fast packets broken", "incomplete fast packets"),
     ("sessions broken", "incomplete transport sessions"),
@@ -31,17 +31,9 @@ const NAMES: [(&str, &str); 24] = [
     ("gaps in speed", "speed gaps"),
     ("cells that are no numbers", "non-finite cells"),
     ("cells suspect", "suspect cells"),
-    ("cells with brakes guessed", "cells with inferred braking"),
     ("stops that reopened the load", "load prior resets at stops"),
-    ("scales far from the file", "scale prior resets"),
     ("fixes of a frozen receiver", "frozen fixes"),
     ("altitudes left out", "altitudes rejected"),
-    ("altitudes left out singly", "single altitude outliers"),
-    ("gaps in altitude", "altitude gaps"),
-    ("drifts of GNSS altitude", "GNSS altitude drifts"),
-    ("of these taken for true", "of these accepted"),
-    ("steps of GNSS altitude", "GNSS altitude steps"),
-    ("altitude set anew", "altitude resets"),
 ];
 
 /// Returns the name of a counter with this key.
@@ -74,7 +66,6 @@ pub fn events(c: &Counters) -> Vec<CountedEvent> {
         ("speeds that leapt", c.speed_leaps.into()),
         ("speeds that were frozen", c.frozen_speeds.into()),
         ("steps of the speed", c.speed_steps.into()),
-        ("accelerometers rejected", c.accelerometers_rejected.into()),
         ("slopes measured and used", c.slopes_used.into()),
         ("slopes measured and rejected", c.slopes_rejected.into()),
         ("poor fixes", c.poor_fixes.into()),
@@ -85,25 +76,10 @@ pub fn events(c: &Counters) -> Vec<CountedEvent> {
         ),
         ("cells that are no numbers", c.cells_unsound.into()),
         ("cells suspect", c.cells_suspect.into()),
-        ("cells with brakes guessed", c.brakes_guessed.into()),
         ("stops that reopened the load", c.loads_reopened.into()),
-        ("launches with another load", c.loads_changed.into()),
-        (
-            "climbs that contradict the forces",
-            c.climbs_contradicted.into(),
-        ),
-        ("steps of the slope", c.slope_steps.into()),
-        ("scales far from the file", c.scales_reopened.into()),
-        ("scales no vehicle has", c.scales_out_of_bounds.into()),
         ("fixes of a frozen receiver", c.frozen_fixes.into()),
         ("reversals", c.reversals.into()),
         ("altitudes left out", c.altitudes_rejected.into()),
-        ("altitudes left out singly", c.altitude_outliers.into()),
-        ("gaps in altitude", c.altitude_gaps.into()),
-        ("drifts of GNSS altitude", c.altitude_drifts.into()),
-        ("of these taken for true", c.altitude_drifts_believed.into()),
-        ("steps of GNSS altitude", c.altitude_steps.into()),
-        ("altitude set anew", c.altitude_resets.into()),
         ("filter restarts", c.restarts.into()),
     ]
     .into_iter()

@@ -5,7 +5,7 @@ use estimator_core::sample::Sample;
 use host_sim::recorder::verdict::{DisagreementStretch, stretches, verdict};
 use host_sim::recorder::{Recorder, RunSummary};
 use host_sim::simulator::simulate;
-use host_sim::smooth::{Disagreements, SmoothedCell, smooth_segments};
+use host_sim::smooth::{Disagreements, Known, SmoothedCell, smooth_pieces};
 use test_kit::simulated::scenario;
 
 const CLIMB: &str = "climb by GNSS against climb by the forces";
@@ -19,23 +19,18 @@ fn smoothed(disagrees: impl Fn(u32) -> Disagreement) -> (Vec<SmoothedCell>, Disa
     for frame in &drive.frames {
         recorder.on_frame(frame);
     }
-    let (model, tuning) = {
-        let estimator = recorder.estimator();
-        (estimator.model().clone(), estimator.tuning().clone())
-    };
-    let filter = recorder.estimator().second_pass_filter::<f64>();
+    let context = recorder.estimator().context().clone();
     let (_, mut samples) = recorder.finish_with_samples().unwrap();
     for sample in &mut samples {
         sample.disagreement = disagrees(sample.end.cell);
     }
-    let mut segments = Vec::new();
+    let mut cells = Vec::new();
     let mut held: &[Sample] = &samples;
-    let found = smooth_segments(&model, &tuning, &filter, &mut held, |_, segment| {
-        segments.push(segment);
+    let Ok(found) = smooth_pieces(&context, Known::default(), &mut held, |_, piece| {
+        cells.extend(piece);
         Ok(())
     });
-    let Ok(found) = found;
-    (segments.into_iter().rev().flatten().collect(), found)
+    (cells, found)
 }
 
 fn stretch(what: &'static str, from_m: f64, to_m: f64) -> DisagreementStretch {

@@ -41,7 +41,6 @@ fn kept(cell: u32, used: Duration, true_s: f64) -> (Sample, Duration) {
         after_load_change: false,
         after_stop: false,
         mass_is_reported: false,
-        torque_rests: false,
         torque_rest: Default::default(),
         retarder_n: 0.0,
         service_braking: false,

@@ -60,7 +60,7 @@ fn altitudes_minutes_apart_teach_the_bias() {
 }
 
 #[test]
-fn altitudes_too_far_apart_to_teach_are_no_lack() {
+fn three_altitudes_of_a_drive_teach_it_too() {
     let grade_percent = mean_grade_percent(&[20, 1_000, 2_000]);
-    assert!((0.3..0.6).contains(&grade_percent), "{grade_percent}");
+    assert!(grade_percent.abs() < 0.05, "{grade_percent}");
 }

@@ -36,9 +36,11 @@ fn a_missing_key_keeps_its_default() {
     assert_eq!(read("").unwrap(), Tuning::default());
     assert_eq!(read_or_default(None).unwrap(), Tuning::default());
     assert_eq!(read(&all_defaults()).unwrap(), Tuning::default());
-    let tuned = read("[gates]\ndrift_fixes = 5\n[hold_times]\nshift_hold_ms = 1500\n").unwrap();
+    let tuned =
+        read("[detection]\nspeed_frozen_readings = 5\n[hold_times]\nshift_hold_ms = 1500\n")
+            .unwrap();
     let mut expected = Tuning::default();
-    expected.gates.drift_fixes = 5;
+    expected.detection.speed_frozen_readings = 5;
     expected.hold_times.shift_hold = estimator_core::Duration::from_millis(1_500);
     assert_eq!(tuned, expected);
 }
@@ -48,30 +50,30 @@ fn errors_name_the_expected_value() {
     for (text, named) in [
         (
             "[gate]\n",
-            "[gate]: unknown table; expected one of measurement_noise, ",
+            "[gate]: unknown table; expected one of estimation, ",
         ),
-        ("gates = 1\n", "gates: expected a table"),
+        ("prior = 1\n", "prior: expected a table"),
         (
-            "[gates]\ndrift = 1\n",
-            "gates.drift: unknown key; expected one of speed_test_ratio, ",
-        ),
-        (
-            "[gates]\ndrift_fixes = 2.5\n",
-            "gates.drift_fixes = 2.5: expected a whole number",
+            "[prior]\nscale = 1\n",
+            "prior.scale: unknown key; expected one of torque_sigma, ",
         ),
         (
-            "[gates]\ndrift_fixes = 0\n",
-            "gates.drift_fixes = 0: expected a value from 1 to 255",
+            "[detection]\nspeed_frozen_readings = 2.5\n",
+            "detection.speed_frozen_readings = 2.5: expected a whole number",
         ),
         (
-            "[gates]\ndrift_sigmas = \"4\"\n",
-            "gates.drift_sigmas = \"4\": expected a number",
+            "[detection]\nspeed_frozen_readings = 0\n",
+            "detection.speed_frozen_readings = 0: expected a value from 1 to 255",
         ),
         (
-            "[gates]\ndrift_sigmas = nan\n",
-            "gates.drift_sigmas = nan: expected a value from",
+            "[prior]\nkept_bias = \"4\"\n",
+            "prior.kept_bias = \"4\": expected a number",
         ),
-        ("[gates\n", "TOML parse error"),
+        (
+            "[prior]\nkept_bias = nan\n",
+            "prior.kept_bias = nan: expected a value from",
+        ),
+        ("[prior\n", "TOML parse error"),
     ] {
         let refusal = read(text).unwrap_err();
         assert!(refusal.contains(named), "{text}: {refusal}");
@@ -105,7 +107,7 @@ fn estimates_use_the_file() {
     fs::write(at.join("defaults.toml"), all_defaults()).unwrap();
     fs::write(
         at.join("stiff.toml"),
-        "[process_noise]\nslope_rate_sigma = 0.002\n",
+        "[estimation]\nslope_rate_noise = 0.002\n",
     )
     .unwrap();
     let plain = estimate(at, "plain.csv", &[]);
@@ -118,8 +120,8 @@ fn a_wrong_file_is_refused_before_anything_is_written() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     demo(at);
-    fs::write(at.join("wrong.toml"), "[prior]\nscale_sigma = -1\n").unwrap();
-    let refused = || contains("wrong.toml").and(contains("prior.scale_sigma = -1"));
+    fs::write(at.join("wrong.toml"), "[prior]\ntorque_sigma = -1\n").unwrap();
+    let refused = || contains("wrong.toml").and(contains("prior.torque_sigma = -1"));
     let tuning = ["--tuning", "wrong.toml"];
     let vehicle = ["--vehicle", "demo/a1.vehicle.toml"];
     for (command, rest) in [

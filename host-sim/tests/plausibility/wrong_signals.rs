@@ -261,15 +261,6 @@ fn an_accelerometer_upside_down_or_in_another_unit() {
 }
 
 #[test]
-fn a_pitch_nose_down_or_in_another_unit() {
-    let with_pitch = |factor| with_sensor("[pitch]\n", Signal::Pitch, move |deg| factor * deg);
-    assert_eq!(estimate(&with_pitch(1.0)).codes, [""; 0]);
-    for factor in [-1.0, 0.01745, 57.3] {
-        estimate(&with_pitch(factor)).warns(&["slope_sensor"], "", "positive nose up");
-    }
-}
-
-#[test]
 fn reported_mass_in_tonnes() {
     let tonnes = from_brake_switch(Signal::Mass, |_| 39.0);
     estimate(&tonnes).warns(&["mass_unit"], "", "looks like tonnes");

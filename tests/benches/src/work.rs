@@ -1,6 +1,6 @@
 //! The work of a host on a drive: 40 km of motorway, half an hour of a full bus.
 
-use estimator_core::filter::{Filter, SensorNoiseRatios};
+use estimator_core::estimator::CellEstimator;
 use estimator_core::sample::Sample;
 use estimator_core::{Context, Decoder, Estimator, Model, Scalar, Tuning};
 use flate2::Compression;
@@ -11,7 +11,7 @@ use host_sim::map::{GradeMap, Network, RoadLine, RoadPoint, SessionRun, place, r
 use host_sim::recorder::{Recorder, estimate_log};
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::simulate;
-use host_sim::smooth::smooth_run;
+use host_sim::smooth::{Known, smooth_run};
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::candump_writer::write_frame;
 use host_sim::source::frame_log::FrameLog;
@@ -251,16 +251,16 @@ impl Work {
     fn filter<S: Scalar>(&self) {
         let mut context = Context::new(self.model.clone(), Tuning::default())
             .expect("the simulator checked the vehicle");
-        let mut filter = Filter::<S>::new(&context.tuning, &SensorNoiseRatios::default(), None);
+        let mut estimator = CellEstimator::<S>::new().without_inference();
         for sample in &self.samples {
-            black_box(filter.step(&mut context, sample));
+            black_box(estimator.push(&mut context, sample));
         }
     }
 
     fn smooth(&self) {
-        let filter = Filter::<f64>::new(&Tuning::default(), &SensorNoiseRatios::default(), None);
-        let tuning = Tuning::default();
-        black_box(smooth_run(&self.model, &tuning, &filter, &self.samples));
+        let context = Context::new(self.model.clone(), Tuning::default())
+            .expect("the simulator checked the vehicle");
+        black_box(smooth_run(&context, Known::default(), &self.samples));
     }
 
     fn fuse(&self) {

@@ -1,7 +1,7 @@
 //! A curvy, hilly drive of a vehicle that may differ from its model.
 
 use estimator_core::{
-    Estimate, Estimator, Instant, Model, Reading, Signal, Traction, Tuning, Value,
+    Estimate, Estimator, Instant, Model, Reading, Signal, Step, Traction, Tuning, Value,
     VehicleParameters,
 };
 
@@ -99,8 +99,10 @@ pub fn drive(
             Signal::WheelSpeed,
             real(speed_mps / planted.true_over_reported),
         );
-        while estimator.step().is_some() {
-            estimates.push(estimator.live().unwrap().estimate);
+        while let Some(step) = estimator.step() {
+            if step == Step::Moved {
+                estimates.push(estimator.live().unwrap().estimate);
+            }
             while estimator.next_cell().is_some() {}
         }
         driven_m += speed_mps * STEP_S + 0.5 * gain_mps2 * STEP_S * STEP_S;

@@ -4,11 +4,9 @@
 pub mod command;
 #[cfg(feature = "host")]
 pub mod damage;
-pub mod dense;
 mod digests;
 pub mod effect_drive;
 pub mod electric_car;
-mod filter_runs;
 mod frames;
 pub mod hilly_drive;
 #[cfg(feature = "mdf")]
@@ -29,7 +27,6 @@ mod trucks;
 pub mod varint;
 
 pub use digests::{Digest, check_digests};
-pub use filter_runs::{FilterRun, FilteredStep, cells, run, run_counted, smooth};
 pub use frames::{TO_ALL, TRANSPORT_DATA, TRANSPORT_MANAGEMENT, TestFrame, frames_of, session_of};
 pub use noise::Noise;
 pub use on_map::{finished_late, line_on_map};

@@ -33,7 +33,6 @@ pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
         after_load_change: false,
         after_stop: false,
         mass_is_reported: false,
-        torque_rests: false,
         torque_rest: Default::default(),
         retarder_n: 0.0,
         service_braking: false,

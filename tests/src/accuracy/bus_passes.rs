@@ -3,7 +3,7 @@
 
 use super::errors::{Errors, GradeError};
 use super::estimate::Estimate;
-use super::method::{Method, runs};
+use super::run::run;
 use super::window_means::WindowMeans;
 use crate::image::measured_mission;
 use host_sim::error::{Error, Result};
@@ -20,38 +20,34 @@ const WINDOW_M: f64 = 600.0;
 ///
 /// # Errors
 /// Returns an error if the mission cannot be read, or a pass has no positions.
-pub fn judge() -> Result<Vec<(Method, Errors)>> {
+pub fn judge() -> Result<Errors> {
     let path = measured_mission();
     let mission = Mission::read(&path)?;
     let passes = mission.passes();
     let runs = passes
         .par_iter()
         .map(|pass| estimated(&mission, pass, &path));
-    let runs: Vec<Vec<(Method, Vec<RunRow>)>> = runs.collect::<Result<_>>()?;
-    let each = Method::ALL.into_iter().enumerate().map(|(at, method)| {
-        let mut roads = Vec::new();
-        for direction in [PassDirection::Outbound, PassDirection::Inbound] {
-            let is_of = |(pass, _): &(&Pass, _)| pass.direction == direction;
-            let of_direction = passes.iter().zip(&runs).filter(is_of);
-            let runs: Vec<&[RunRow]> = of_direction.map(|(_, run)| &*run[at].1).collect();
-            roads.push((road(&runs, &path)?, runs));
-        }
-        let errors = Errors::new(|estimate| {
-            let errors = roads
-                .iter()
-                .flat_map(|(road, runs)| scatter(road, runs, estimate));
-            errors.collect()
-        });
-        Ok((method, errors))
-    });
-    each.collect()
+    let runs: Vec<Vec<RunRow>> = runs.collect::<Result<_>>()?;
+    let mut roads = Vec::new();
+    for direction in [PassDirection::Outbound, PassDirection::Inbound] {
+        let is_of = |(pass, _): &(&Pass, _)| pass.direction == direction;
+        let of_direction = passes.iter().zip(&runs).filter(is_of);
+        let runs: Vec<&[RunRow]> = of_direction.map(|(_, rows)| &**rows).collect();
+        roads.push((road(&runs, &path)?, runs));
+    }
+    Ok(Errors::new(|estimate| {
+        let errors = roads
+            .iter()
+            .flat_map(|(road, runs)| scatter(road, runs, estimate));
+        errors.collect()
+    }))
 }
 
-fn estimated(mission: &Mission, pass: &Pass, path: &Path) -> Result<Vec<(Method, Vec<RunRow>)>> {
+fn estimated(mission: &Mission, pass: &Pass, path: &Path) -> Result<Vec<RunRow>> {
     let scratch = tempfile::tempdir().map_err(Error::io(path))?;
     let table = scratch.path().join("pass.csv");
     mission.write_pass(&table, pass)?;
-    runs(&table, &mission.vehicle().model, &ReadOptions::default())
+    run(&table, &mission.vehicle().model, &ReadOptions::default())
 }
 
 /// Returns the road of the first run.

@@ -3,7 +3,7 @@
 
 use super::errors::{Errors, GradeError};
 use super::estimate::Estimate;
-use super::method::{Method, runs};
+use super::run::run;
 use super::window_means::WindowMeans;
 use crate::image::measured_data;
 use estimator_core::Signal;
@@ -36,7 +36,7 @@ pub fn folder() -> PathBuf {
 ///
 /// # Errors
 /// Returns an error if the trip cannot be read, or its accelerometer judges no window.
-pub fn judge(path: &Path) -> Result<Vec<(Method, Errors)>> {
+pub fn judge(path: &Path) -> Result<Errors> {
     let judged = judge_if_possible(path)?;
     judged.ok_or_else(|| Error::content(path, "no window with an accelerometer; expected some"))
 }
@@ -46,7 +46,7 @@ pub fn judge(path: &Path) -> Result<Vec<(Method, Errors)>> {
 ///
 /// # Errors
 /// Returns an error if a trip cannot be read.
-pub fn judge_all() -> Result<[Vec<(Method, Errors)>; 2]> {
+pub fn judge_all() -> Result<[Errors; 2]> {
     let folder = folder();
     let entries = fs::read_dir(&folder).map_err(Error::io(&folder))?;
     let mut files: Vec<PathBuf> = entries
@@ -58,23 +58,14 @@ pub fn judge_all() -> Result<[Vec<(Method, Errors)>; 2]> {
         .par_iter()
         .filter_map(|path| judge_if_possible(path).transpose())
         .collect::<Result<_>>()?;
-    let over_trips = |of: fn(&[f64]) -> f64| {
-        let each = Method::ALL.into_iter().enumerate();
-        let each = each.map(|(at, method)| (method, summary(&trips, at, of)));
-        each.collect()
-    };
     let nine_in_ten = |values: &[f64]| quantile(values.iter().copied(), 0.9);
-    Ok([over_trips(median), over_trips(nine_in_ten)])
+    Ok([summary(&trips, median), summary(&trips, nine_in_ten)])
 }
 
-/// Sums up each figure of the method at this index over the trips.
-fn summary(trips: &[Vec<(Method, Errors)>], at: usize, of: fn(&[f64]) -> f64) -> Errors {
-    let figure = |figure: &dyn Fn(&Errors) -> f64| {
-        of(&trips
-            .iter()
-            .map(|trip| figure(&trip[at].1))
-            .collect::<Vec<_>>())
-    };
+/// Sums up each figure over the trips.
+fn summary(trips: &[Errors], of: fn(&[f64]) -> f64) -> Errors {
+    let figure =
+        |figure: &dyn Fn(&Errors) -> f64| of(&trips.iter().map(figure).collect::<Vec<_>>());
     Errors {
         rmse_percent: std::array::from_fn(|k| figure(&|errors| errors.rmse_percent[k])),
         nees: std::array::from_fn(|k| figure(&|errors| errors.nees[k])),
@@ -82,7 +73,7 @@ fn summary(trips: &[Vec<(Method, Errors)>], at: usize, of: fn(&[f64]) -> f64) ->
 }
 
 /// Judges a trip; `None` if its accelerometer judges no window.
-fn judge_if_possible(path: &Path) -> Result<Option<Vec<(Method, Errors)>>> {
+fn judge_if_possible(path: &Path) -> Result<Option<Errors>> {
     let trip = Trip::read(path)?;
     let windows = windows(trip.rows());
     if windows.is_empty() {
@@ -95,9 +86,8 @@ fn judge_if_possible(path: &Path) -> Result<Option<Vec<(Method, Errors)>>> {
         ignore: vec![Signal::LongitudinalAcceleration],
         ..ReadOptions::default()
     };
-    let runs = runs(&table, &vehicle().model, &options)?.into_iter();
-    let judged = runs.map(|(method, rows)| (method, errors(&windows, &rows)));
-    Ok(Some(judged.collect()))
+    let rows = run(&table, &vehicle().model, &options)?;
+    Ok(Some(errors(&windows, &rows)))
 }
 
 /// Returns the judge's windows, without the first and last 500 m.

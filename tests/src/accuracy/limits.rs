@@ -31,7 +31,7 @@ pub fn compare(rows: &[AccuracyRow], committed: &[AccuracyRow]) -> Comparison {
     for row in rows {
         match committed.iter().find(|before| before.is_of_same(row)) {
             Some(before) => found.add(row, before),
-            None => found.worse.push(format!("{}: not committed", name(row))),
+            None => found.worse.push(format!("{}: not committed", row.drive)),
         }
     }
     found
@@ -41,9 +41,7 @@ impl Comparison {
     fn add(&mut self, row: &AccuracyRow, before: &AccuracyRow) {
         for estimate in Estimate::ALL {
             self.add_error(row, before, estimate);
-            if row.method.is_held_to_nees() {
-                self.add_nees(row, before, estimate);
-            }
+            self.add_nees(row, before, estimate);
         }
     }
 
@@ -52,7 +50,7 @@ impl Comparison {
         let most = committed * (1.0 + SLACK_PERCENT / 100.0);
         let line = format!(
             "{}, {}: error {now:.4} %, committed {committed:.4} %",
-            name(row),
+            row.drive,
             estimate.word()
         );
         if now.is_nan() || now > most {
@@ -69,34 +67,29 @@ impl Comparison {
         if !(least..=most).contains(&now) {
             self.worse.push(format!(
                 "{}, {}: NEES {now:.2}, committed {committed:.2}, {least:.2} to {most:.2} allowed",
-                name(row),
+                row.drive,
                 estimate.word()
             ));
         }
     }
 }
 
-fn name(row: &AccuracyRow) -> String {
-    format!("{}, {}", row.drive, row.method.word())
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::errors::Errors;
-    use super::super::method::Method;
     use super::*;
 
-    fn row(method: Method, smoothed_percent: f64, smoothed_nees: f64) -> AccuracyRow {
+    fn row(smoothed_percent: f64, smoothed_nees: f64) -> AccuracyRow {
         let errors = Errors {
             rmse_percent: [smoothed_percent, 0.2, 0.3],
             nees: [smoothed_nees, 1.0, 1.0],
         };
-        AccuracyRow::new("hills", method, &errors)
+        AccuracyRow::new("hills", &errors)
     }
 
-    /// Compares a smoothed error and NEES of the robust method with committed ones.
+    /// Compares a smoothed error and NEES with committed ones.
     fn compared(now: (f64, f64), committed: (f64, f64)) -> Comparison {
-        let [now, committed] = [now, committed].map(|(e, nees)| row(Method::Robust, e, nees));
+        let [now, committed] = [now, committed].map(|(e, nees)| row(e, nees));
         compare(&[now], &[committed])
     }
 
@@ -107,10 +100,10 @@ mod tests {
         assert_eq!(compared((0.1029, 1.0), (0.1, 1.0)), same);
         assert_eq!(compared((0.0971, 1.0), (0.1, 1.0)), same);
         let expected =
-            "hills, robust, smoothed: error 0.1031 %, committed 0.1000 %, at most 0.1030 % allowed";
+            "hills, smoothed: error 0.1031 %, committed 0.1000 %, at most 0.1030 % allowed";
         assert_eq!(compared((0.1031, 1.0), (0.1, 1.0)).worse, [expected]);
         assert_eq!(compared((f64::NAN, 1.0), (0.1, 1.0)).worse.len(), 1);
-        let expected = "hills, robust, smoothed: error 0.0969 %, committed 0.1000 %: better";
+        let expected = "hills, smoothed: error 0.0969 %, committed 0.1000 %: better";
         assert_eq!(compared((0.0969, 1.0), (0.1, 1.0)).better, [expected]);
     }
 
@@ -135,20 +128,14 @@ mod tests {
         ] {
             assert_eq!(worse(now, committed).len(), 1, "{now} of {committed}");
         }
-        let expected = "hills, robust, smoothed: NEES 0.14, committed 0.15, 0.15 to 2.50 allowed";
+        let expected = "hills, smoothed: NEES 0.14, committed 0.15, 0.15 to 2.50 allowed";
         assert_eq!(worse(0.14, 0.15), [expected]);
         assert_eq!(worse(f64::NAN, 1.0).len(), 1);
     }
 
     #[test]
-    fn the_sigmas_of_detectors_are_not_judged() {
-        let [now, committed] = [9.0, 1.0].map(|nees| row(Method::Detectors, 0.1, nees));
-        assert_eq!(compare(&[now], &[committed]), Comparison::default());
-    }
-
-    #[test]
     fn what_is_not_committed_is_reported() {
-        let found = compare(&[row(Method::Robust, 0.1, 1.0)], &[]);
-        assert_eq!(found.worse, ["hills, robust: not committed"]);
+        let found = compare(&[row(0.1, 1.0)], &[]);
+        assert_eq!(found.worse, ["hills: not committed"]);
     }
 }

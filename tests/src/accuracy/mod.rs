@@ -5,7 +5,7 @@
 //! has the mean of many laps ([`track_laps`]), a bus has its other passes ([`bus_passes`]).
 //!
 //! * [`subject`]: what is judged, in the quick set and beside it;
-//! * [`method`]: a log through each method of the estimator;
+//! * [`mod@run`]: a log through the estimator;
 //! * [`errors`], [`estimate`], [`window_means`]: errors of cells and of windows;
 //! * [`table`](mod@table): the rows, and their file;
 //! * [`limits`]: what may change.
@@ -17,7 +17,7 @@ pub mod car_trips;
 pub mod errors;
 pub mod estimate;
 pub mod limits;
-pub mod method;
+pub mod run;
 pub mod simulated_drive;
 pub mod subject;
 pub mod table;

@@ -1,7 +1,7 @@
 //! Drives of other simulators, whose grade is known: `../shared/judge`, scored as its `judge` does.
 
 use super::errors::{Errors, GradeError};
-use super::method::{Method, runs};
+use super::run::run;
 use crate::image::root;
 use flate2::read::GzDecoder;
 use host_sim::error::{Error, Result};
@@ -24,15 +24,13 @@ pub fn folder(drive: &str) -> PathBuf {
 ///
 /// # Errors
 /// Returns an error if a file of the drive cannot be read.
-pub fn judge(drive: &str) -> Result<Vec<(Method, Errors)>> {
+pub fn judge(drive: &str) -> Result<Errors> {
     let folder = folder(drive);
     let truth = Truth::read(&folder.join("truth.csv.gz"))?;
     let model = VehicleFile::read(&folder.join("vehicle.toml"))?.model;
     let log = folder.join("drive.log.zst");
-    let runs = runs(&log, &model, &ReadOptions::default())?.into_iter();
-    Ok(runs
-        .map(|(method, rows)| (method, truth.errors(&rows)))
-        .collect())
+    let rows = run(&log, &model, &ReadOptions::default())?;
+    Ok(truth.errors(&rows))
 }
 
 /// The true way and grade over time, s.

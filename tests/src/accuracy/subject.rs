@@ -1,7 +1,6 @@
 //! What is judged.
 
 use super::errors::Errors;
-use super::method::Method;
 use super::table::AccuracyRow;
 use super::{bus_passes, car_trips, simulated_drive, track_laps};
 use crate::image::measured_mission;
@@ -76,7 +75,7 @@ impl Subject {
     }
 
     fn rows(self) -> Result<Vec<AccuracyRow>> {
-        let errors: Vec<Vec<(Method, Errors)>> = match self {
+        let errors: Vec<Errors> = match self {
             Drive(drive) => vec![simulated_drive::judge(drive)?],
             Trip(trip) => vec![car_trips::judge(&car_trips::file(trip))?],
             Trips => car_trips::judge_all()?.into(),
@@ -84,10 +83,7 @@ impl Subject {
             Passes => vec![bus_passes::judge()?],
         };
         let named = self.names().into_iter().zip(errors);
-        let rows = named.flat_map(|(name, errors)| {
-            let of_method = move |(method, errors)| AccuracyRow::new(&name, method, &errors);
-            errors.into_iter().map(of_method)
-        });
+        let rows = named.map(|(name, errors)| AccuracyRow::new(&name, &errors));
         Ok(rows.collect())
     }
 }
@@ -128,20 +124,12 @@ mod tests {
 
     #[test]
     fn the_committed_table_has_all_that_is_judged_and_nothing_else() {
-        let mut expected = Vec::new();
-        for subject in QUICK.iter().chain(OTHERS) {
-            for name in subject.names() {
-                expected.extend(Method::ALL.map(|method| (name.clone(), method)));
-            }
-        }
+        let subjects = QUICK.iter().chain(OTHERS);
+        let mut expected: Vec<String> = subjects.flat_map(|subject| subject.names()).collect();
         let rows = committed().unwrap();
-        let mut found: Vec<_> = rows
-            .iter()
-            .map(|row| (row.drive.clone(), row.method))
-            .collect();
-        let order = |(name, method): &(String, Method)| (name.clone(), method.word());
-        expected.sort_by_key(order);
-        found.sort_by_key(order);
+        let mut found: Vec<String> = rows.into_iter().map(|row| row.drive).collect();
+        expected.sort();
+        found.sort();
         assert_eq!(found, expected);
     }
 }

@@ -2,7 +2,6 @@
 
 use super::errors::Errors;
 use super::estimate::Estimate;
-use super::method::Method;
 use crate::image::root;
 use host_sim::error::Result;
 use host_sim::files::csv::{read_csv, write_csv};
@@ -10,13 +9,11 @@ use host_sim::terminal::table::text_table;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Errors of one drive, or of what stands for several, by one method.
+/// Errors of one drive, or of what stands for several.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AccuracyRow {
     /// Its name.
     pub drive: String,
-    /// How the variances were found.
-    pub method: Method,
     smoothed_percent: f64,
     lagged_percent: f64,
     live_percent: f64,
@@ -28,13 +25,12 @@ pub struct AccuracyRow {
 impl AccuracyRow {
     /// Creates a row, rounded as in the file: errors to 0.0001 %, NEES to 0.01.
     #[must_use]
-    pub fn new(drive: &str, method: Method, errors: &Errors) -> Self {
+    pub fn new(drive: &str, errors: &Errors) -> Self {
         let [smoothed_percent, lagged_percent, live_percent] =
             errors.rmse_percent.map(|percent| rounded(percent, 1e4));
         let [smoothed_nees, lagged_nees, live_nees] = errors.nees.map(|nees| rounded(nees, 1e2));
         Self {
             drive: drive.to_owned(),
-            method,
             smoothed_percent,
             lagged_percent,
             live_percent,
@@ -64,10 +60,10 @@ impl AccuracyRow {
         }
     }
 
-    /// Returns true if both rows are of the same drive and method.
+    /// Returns true if both rows are of the same drive.
     #[must_use]
     pub fn is_of_same(&self, other: &Self) -> bool {
-        self.drive == other.drive && self.method == other.method
+        self.drive == other.drive
     }
 }
 
@@ -106,17 +102,10 @@ pub fn write(rows: &[AccuracyRow], kept: &[String]) -> Result<()> {
 /// Returns the rows for a terminal, with the change of each error from the committed one.
 #[must_use]
 pub fn text(rows: &[AccuracyRow], committed: &[AccuracyRow]) -> String {
-    let header = [
-        "drive",
-        "method",
-        "smoothed %",
-        "lagged %",
-        "live %",
-        "NEES of each",
-    ];
+    let header = ["drive", "smoothed %", "lagged %", "live %", "NEES of each"];
     let lines = rows.iter().map(|row| {
         let before = committed.iter().find(|before| before.is_of_same(row));
-        let mut cells = vec![row.drive.clone(), row.method.word().to_owned()];
+        let mut cells = vec![row.drive.clone()];
         cells.extend(Estimate::ALL.map(|estimate| {
             let now = row.error_percent(estimate);
             let change = before.map(|before| 100.0 * (now / before.error_percent(estimate) - 1.0));

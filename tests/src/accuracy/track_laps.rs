@@ -2,7 +2,7 @@
 //! is known once a lap, so in between the forces alone make the grade.
 
 use super::errors::{Errors, GradeError};
-use super::method::{Method, runs};
+use super::run::run;
 use super::window_means::WindowMeans;
 use crate::image::measured_data;
 use host_sim::error::Result;
@@ -28,15 +28,13 @@ pub fn folder() -> PathBuf {
 ///
 /// # Errors
 /// Returns an error if a file cannot be read.
-pub fn judge() -> Result<Vec<(Method, Errors)>> {
+pub fn judge() -> Result<Errors> {
     let folder = folder();
     let track = Track::read(&folder)?;
     let model = VehicleFile::read(&folder.join("vehicle.toml"))?.model;
     let table = folder.join("laps_1_to_6.csv.gz");
-    let runs = runs(&table, &model, &ReadOptions::default())?.into_iter();
-    Ok(runs
-        .map(|(method, rows)| (method, track.errors(&rows)))
-        .collect())
+    let rows = run(&table, &model, &ReadOptions::default())?;
+    Ok(track.errors(&rows))
 }
 
 #[derive(Deserialize)]

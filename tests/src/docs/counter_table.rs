@@ -25,11 +25,8 @@ counters! {
     not_available errors parameters_replaced other_source source_switches rates_exceeded
     speed_leaps frozen_speeds speeds_used tractions_used poor_fixes frozen_fixes reversals gaps
     samples_lost cells_lost cells_unsound cells_suspect steps invalid_steps
-    altitudes_used altitudes_rejected altitude_outliers speed_steps accelerometers_rejected
-    slopes_used slopes_rejected brakes_guessed
-    loads_reopened loads_changed scales_reopened scales_out_of_bounds
-    altitude_gaps altitude_steps altitude_drifts altitude_drifts_believed altitude_resets
-    climbs_contradicted slope_steps restarts
+    altitudes_used altitudes_rejected slopes_used slopes_rejected speed_steps
+    loads_reopened restarts
 }
 
 /// Makes the table of all counters.

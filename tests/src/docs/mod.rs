@@ -76,11 +76,9 @@ macro_rules! blocks {
 }
 
 blocks! {
+    "docs/tuning.md" "estimation" TUNING Nothing code_tables::tuning("estimation");
     "docs/tuning.md" "measurement_noise" TUNING Nothing code_tables::tuning("measurement_noise");
-    "docs/tuning.md" "process_noise" TUNING Nothing code_tables::tuning("process_noise");
-    "docs/tuning.md" "inertial" TUNING Nothing code_tables::tuning("inertial");
     "docs/tuning.md" "prior" TUNING Nothing code_tables::tuning("prior");
-    "docs/tuning.md" "gates" TUNING Nothing code_tables::tuning("gates");
     "docs/tuning.md" "hold_times" TUNING Nothing code_tables::tuning("hold_times");
     "docs/tuning.md" "detection" TUNING Nothing code_tables::tuning("detection");
     "docs/theory/effects.md" "effects" EFFECTS Nothing code_tables::effects();

@@ -7,7 +7,7 @@ use super::drives::{BenchTruck, Plan};
 use super::road::BenchRoad;
 use super::signals::Edit;
 use super::truth::When;
-use estimator_core::{Estimator, Tuning, Uncertain};
+use estimator_core::{Estimator, Step, Tuning, Uncertain};
 use host_sim::error::Result;
 use host_sim::simulator::manoeuvre_file::Stop;
 use host_sim::terminal::table::text_table;
@@ -87,8 +87,11 @@ fn driven(road: &BenchRoad, drive: &MassPlan) -> Result<MassRow> {
     let mut stated = [None; 2];
     for frame in driven.received(&plan.edits) {
         estimator.on_frame(frame.time, &frame.frame);
-        while estimator.step().is_some() {
+        while let Some(step) = estimator.step() {
             while estimator.next_cell().is_some() {}
+            if step != Step::Moved {
+                continue;
+            }
             let Some(live) = estimator.live() else {
                 continue;
             };

@@ -41,11 +41,11 @@ use accelerometer::Accelerometer;
 use brakes::Brakes;
 use climb::Climb;
 use estimator_core::{
-    Counters, Instant, Reading, Sample, Signal, Traction, Tuning, Value, VehicleParameters,
+    Instant, Reading, Sample, Signal, Traction, Tuning, Value, VehicleParameters,
 };
 use forces::Forces;
 use gearbox::Gearbox;
-use model_fit::{ModelFit, slopes_left_out};
+use model_fit::ModelFit;
 use surroundings::Surroundings;
 use tap::Tap;
 use way::Way;
@@ -99,8 +99,8 @@ impl Plausibility {
     }
 
     /// Returns what is not plausible, causes first.
-    pub(super) fn judge(&self, vehicle: &VehicleParameters, counters: &Counters) -> Vec<Warning> {
-        self.seen.judge(vehicle, counters)
+    pub(super) fn judge(&self, vehicle: &VehicleParameters) -> Vec<Warning> {
+        self.seen.judge(vehicle)
     }
 }
 
@@ -159,7 +159,7 @@ impl Seen {
         }
     }
 
-    fn judge(&self, vehicle: &VehicleParameters, counters: &Counters) -> Vec<Warning> {
+    fn judge(&self, vehicle: &VehicleParameters) -> Vec<Warning> {
         let mut found = Vec::new();
         let way_m = self.way.wheels_m();
         self.way.judge(&mut found);
@@ -169,7 +169,6 @@ impl Seen {
         if !spoils(&found) {
             self.brakes.judge(&mut found);
             found.extend(self.accelerometer.judge());
-            found.extend(slopes_left_out(counters));
             found.extend(self.fit.late());
         }
         found.extend(self.climb.judge_changes(way_m));

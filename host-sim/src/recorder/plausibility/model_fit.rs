@@ -2,12 +2,10 @@
 
 use super::warning::Warning;
 use crate::smooth::SmoothedCell;
-use estimator_core::{Counters, Sample};
+use estimator_core::Sample;
 
 /// Least number of cells from which anything is concluded: 1 km.
 const CELLS: u32 = 400;
-/// Most slopes that may be left out without a warning.
-const LEFT_OUT: u32 = 100;
 /// Part of the cells that is as good as all of them.
 const ALL: f64 = 0.95;
 /// Difference of the scale from 1 that torque and mass of a right vehicle file do not have.
@@ -155,22 +153,6 @@ impl ModelFit {
              wheel_radius_m, and the unit of the altitude",
         ))
     }
-}
-
-/// Returns that a vertical speed or a pitch is not that of the road, if most of it was left out.
-pub(super) fn slopes_left_out(counters: &Counters) -> Option<Warning> {
-    let left_out = counters.slopes_rejected;
-    (left_out > LEFT_OUT && left_out > counters.slopes_used).then(|| {
-        Warning::minor(
-            "slope_sensor",
-            format!(
-                "{left_out} slopes by the vertical speed or the pitch were left out: they are not \
-                 those of the road"
-            ),
-            "check unit and sign: a vertical speed is in m/s and positive upwards, a pitch is in \
-             degrees, positive nose up, and without what the vehicle's acceleration adds to it",
-        )
-    })
 }
 
 #[cfg(test)]

@@ -2,15 +2,14 @@
 //! tuning, on the inputs of the other methods.
 
 use crate::comparison::{MeasuredDrive, MeasuredPoint, Profile, STEP_M};
-use crate::smooth::smooth_run;
-use estimator_core::filter::{Filter, SensorNoiseRatios};
+use crate::smooth::{Known, smooth_run};
+use estimator_core::estimator::CellEstimator;
 use estimator_core::sample::{
     AltitudeContinuity, AltitudeMeasurement, EffectInputs, ForceInputs, Sample, SpeedMeasurement,
 };
-use estimator_core::smoother::FixedLag;
 use estimator_core::{
-    Cell, CellEnd, Condition, Context, Counters, Disagreement, Instant, Model, Scalar, Traction,
-    Tuning, Uncertain, VehicleParameters,
+    Cell, CellEnd, Condition, Context, Counters, Disagreement, Instant, Model, Traction, Tuning,
+    Uncertain, VehicleParameters,
 };
 use std::iter::from_fn;
 
@@ -30,43 +29,34 @@ pub struct Ours {
     pub counters: Counters,
 }
 
-/// Runs the filter on a drive: in single precision as on the vehicle, in double after it.
+/// Runs the estimator on a drive: in single precision as on the vehicle, in double after it.
 #[must_use]
 pub fn estimate(drive: &MeasuredDrive) -> Ours {
-    estimate_in::<f32, f64>(drive)
-}
-
-/// Returns the same in the number types `Live` (on the vehicle) and `After` (after the drive).
-#[must_use]
-pub fn estimate_in<Live: Scalar, After: Scalar>(drive: &MeasuredDrive) -> Ours {
-    let mut context = Context {
-        model: Model::from(assumed_vehicle(drive)),
-        tuning: Tuning::default(),
-        counters: Counters::default(),
-    };
+    let mut context = context(drive);
     let samples = samples(drive);
-    let mut filter = Filter::<Live>::new(&context.tuning, &SensorNoiseRatios::default(), None);
-    let mut lag = FixedLag::new();
+    let mut estimator = CellEstimator::<f32>::new();
     let mut cells: Vec<Cell> = Vec::with_capacity(samples.len());
     for sample in &samples {
-        let record = filter.step(&mut context, sample);
-        if let (Some(record), Some(state)) = (record, filter.state()) {
-            lag.push(&record, state);
-        }
-        cells.extend(from_fn(|| lag.next_cell()));
+        estimator.push_and_work(&mut context, sample);
+        cells.extend(from_fn(|| estimator.next_cell(&mut context)));
     }
-    cells.extend(from_fn(|| lag.drain_cell()));
-    let smoothed = smooth_run(
-        &context.model,
-        &context.tuning,
-        &filter.second_pass::<After>(&context.tuning),
-        &samples,
-    );
+    cells.extend(from_fn(|| estimator.drain_cell(&mut context)));
+    let smoothed = smooth_run(&context, Known::default(), &samples);
     Ours {
         smoothed: profile(smoothed.iter().map(|cell| cell.estimate.grade_percent)),
         lagged: profile(cells.iter().map(|cell| cell.lagged_grade_percent)),
         live: profile(cells.iter().map(|cell| cell.live_grade_percent)),
         counters: context.counters,
+    }
+}
+
+/// Returns the context of a drive before its first sample.
+#[must_use]
+pub fn context(drive: &MeasuredDrive) -> Context {
+    Context {
+        model: Model::from(assumed_vehicle(drive)),
+        tuning: Tuning::default(),
+        counters: Counters::default(),
     }
 }
 
@@ -86,7 +76,8 @@ fn assumed_vehicle(drive: &MeasuredDrive) -> VehicleParameters {
 /// Returns one sample a point, which ends the cell before it. Speed and altitude are those of the
 /// point; force and condition are those of the step before it. The drive has altitude at each
 /// point; a receiver reports it once a second.
-fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
+#[must_use]
+pub fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
     let points = &drive.points;
     let mut elapsed_s = 0.0;
     let mut next_fix_s = 0.0;
@@ -132,7 +123,6 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
             after_stop: false,
             // The thesis takes the mass that the vehicle knows.
             mass_is_reported: true,
-            torque_rests: false,
             torque_rest: Default::default(),
             retarder_n: 0.0,
             service_braking: false,

@@ -1,0 +1,247 @@
+//! The update of the window, in shares of work: two rounds over its cells, of which the last one gives
+//! the lagged estimates; then the trial of hidden brakes, and the cells that leave.
+
+use super::levels::LevelSums;
+use super::round::{Memory, Pass, Stretch};
+use super::variances::SEGMENT_CELLS;
+use super::window::{
+    LAG_CELLS, SHARE_CELLS, SmoothedCell, UPDATE_CELLS, WINDOW_CELLS, Window, is_undecided,
+    of_doubtful_force,
+};
+use super::work::{Work, drop_first};
+use crate::cell::CELL_LENGTH_M;
+use crate::filter::{Adjoint, CellInput, Quantity, Record};
+use crate::scalar::Scalar;
+use crate::tuning::Numbers;
+
+/// Rounds of an update.
+const ROUNDS: u8 = 2;
+
+impl<S: Scalar> Window<S> {
+    /// Returns whether a share of work is left to do.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.work != Work::None
+    }
+
+    /// Begins the last update of a drive, after which all cells are finished. Returns false if none is
+    /// left.
+    pub fn begin_end(&mut self, numbers: &Numbers) -> bool {
+        if self.cells.is_empty() || !self.infers {
+            return false;
+        }
+        self.begin_update(numbers, true);
+        true
+    }
+
+    pub(super) fn begin_update(&mut self, numbers: &Numbers, ends: bool) {
+        self.work = Work::Rounds { left: ROUNDS, ends };
+        self.begin_round(numbers);
+    }
+
+    /// Finds anew where the force is in doubt: rests of the torque were marked since.
+    fn begin_round(&mut self, numbers: &Numbers) {
+        let leaving = self.leaving();
+        let mut doubt = self.doubt;
+        for (index, (cell, own)) in self.cells.iter().zip(&mut self.own).enumerate() {
+            if index == leaving {
+                self.doubt_behind_leaving = doubt;
+            }
+            doubt.next(numbers, cell, own);
+        }
+        self.newest_doubt = doubt;
+        self.pass = Pass::from(self.committed);
+    }
+
+    /// Returns the number of cells that leave with this round: whole updates, in the last round.
+    fn leaving(&self) -> usize {
+        match self.work {
+            Work::Rounds { left: 1, .. } => {
+                self.cells.len().saturating_sub(WINDOW_CELLS) / UPDATE_CELLS * UPDATE_CELLS
+            }
+            _ => 0,
+        }
+    }
+
+    /// Does a share of the work.
+    pub fn work(&mut self, numbers: &Numbers) {
+        match self.work {
+            Work::None => {}
+            Work::Trial { left, leaving } => self.try_hypothesis(numbers, left, leaving),
+            Work::Rounds { left, ends } => self.go_on(numbers, left, ends),
+            Work::Leave { at } => self.leave(numbers, at),
+        }
+    }
+
+    fn go_on(&mut self, numbers: &Numbers, left: u8, ends: bool) {
+        let round = self.round(numbers, self.leaving());
+        let (first, is_last) = (self.given.saturating_sub(1), left == 1);
+        let (cells, smoothed) = (&self.cells, &mut self.smoothed);
+        let mut stretch = Stretch {
+            cells,
+            own: &mut self.own,
+            segments: &mut self.segments,
+        };
+        let mut memory = Memory {
+            checkpoints: &mut self.checkpoints,
+            records: &mut self.records,
+        };
+        let take = |index: usize, record: &Record<S>, adjoint: &Adjoint<S>| {
+            let place = index.checked_sub(first).filter(|_| is_last);
+            let place = place.and_then(|at| smoothed.get_mut(at));
+            if let (Some(place), Some(cell)) = (place, cells.get(index)) {
+                *place = smooth(numbers, cell, record, adjoint);
+            }
+        };
+        self.pass
+            .advance(&round, &mut stretch, &mut memory, SHARE_CELLS, take);
+        if !self.pass.is_done() {
+            return;
+        }
+        self.end_round(numbers);
+        if is_last {
+            self.finish(numbers, ends);
+        } else {
+            self.work = Work::Rounds {
+                left: left - 1,
+                ends,
+            };
+            self.begin_round(numbers);
+        }
+    }
+
+    /// Takes what a round has found.
+    fn end_round(&mut self, numbers: &Numbers) {
+        self.take_newest(self.pass.newest);
+        let (adjoint, found) = (*self.pass.adjoint(), &mut self.pass.found);
+        let past = self.past_steps.judge(numbers, &adjoint, found);
+        if let Some(at) = past {
+            self.past_steps.open(at, &mut self.committed);
+        }
+        found.revive(numbers, &mut self.segments);
+        self.undecided_variance = found.undecided_variance(numbers);
+        let left_m = self.leaving() as f32 * CELL_LENGTH_M;
+        let kept = libm::expf(-left_m / numbers.level_memory_m);
+        self.past = self.past.decayed_plus(kept, &self.pass.leaving);
+        let sums: LevelSums = self.past.decayed_plus(1.0, &self.pass.found.sums);
+        self.levels = sums.levels(numbers);
+    }
+
+    /// Finishes the cells whose lag is over, and drops those that leave.
+    fn finish(&mut self, numbers: &Numbers, ends: bool) {
+        let count = self.cells.len();
+        let (first, leaving) = (self.given.saturating_sub(1), self.leaving());
+        let due = if ends {
+            count
+        } else {
+            count.saturating_sub(LAG_CELLS).max(self.given)
+        };
+        let undecided_from = self.pass.found.likeliest.segment * SEGMENT_CELLS;
+        let undecided = self.undecided_variance;
+        let most = numbers.inconsistent_percent * numbers.inconsistent_percent;
+        for index in self.given..due {
+            let Some(cell) = self.smoothed.get_mut(index - first) else {
+                break;
+            };
+            let shock = self
+                .segments
+                .get(index / SEGMENT_CELLS)
+                .is_some_and(|segment| segment.bias_shock > most);
+            cell.disagreement.climb = shock;
+            if index >= undecided_from {
+                cell.slope.variance += undecided;
+                cell.disagreement.climb |= is_undecided(numbers, undecided);
+            }
+        }
+        (self.fetched, self.finished) = (self.given - first, due - first);
+        self.given = due;
+        if ends {
+            self.leave_all();
+        } else {
+            self.begin_trial_or_leave(numbers, leaving);
+        }
+    }
+
+    pub(super) const fn begin_leave(&mut self, leaving: usize) {
+        self.work = if leaving > 0 {
+            Work::Leave { at: 0 }
+        } else {
+            Work::None
+        };
+    }
+
+    /// Takes the state before the window over cells that leave it, with the steps behind it.
+    fn leave(&mut self, numbers: &Numbers, at: usize) {
+        let round = self.round(numbers, 0);
+        let stretch = Stretch {
+            cells: &self.cells,
+            own: &mut self.own,
+            segments: &mut self.segments,
+        };
+        let opened = numbers.start_shock_percent * numbers.start_shock_percent;
+        for index in at..at + SHARE_CELLS {
+            let Some((cell, terms)) = round.terms(&stretch, index) else {
+                break;
+            };
+            let record = round.step(&mut self.committed, cell, &terms, None);
+            let segment = stretch.segments.get(index / SEGMENT_CELLS);
+            let is_closed = segment.is_some_and(|segment| segment.bias_shock < opened);
+            let begins = index.is_multiple_of(SEGMENT_CELLS) && is_closed && !cell.marks.gap;
+            self.past_steps
+                .carry(numbers, cell, &terms.dynamics, &record, begins);
+        }
+        self.work = Work::Leave {
+            at: at + SHARE_CELLS,
+        };
+        if at + SHARE_CELLS >= UPDATE_CELLS {
+            self.work = Work::None;
+            self.drop_first(UPDATE_CELLS);
+        }
+    }
+
+    /// Returns the next cell whose lag is over, and the slope before it. The oldest comes first.
+    pub fn next_finished(&mut self) -> Option<(SmoothedCell, f32)> {
+        if self.fetched >= self.finished || self.is_busy() {
+            return None;
+        }
+        let before = self.fetched.saturating_sub(1);
+        let cell = *self.smoothed.get(self.fetched)?;
+        let before = self.smoothed.get(before)?.slope.mean;
+        self.fetched += 1;
+        Some((cell, before))
+    }
+
+    /// Drops the finished cells that were not fetched, and returns their number.
+    pub const fn drop_unfetched(&mut self) -> usize {
+        let unfetched = self.finished - self.fetched;
+        self.fetched = self.finished;
+        unfetched
+    }
+
+    /// Drops the first cells: whole segments.
+    fn drop_first(&mut self, leaving: usize) {
+        self.doubt = self.doubt_behind_leaving;
+        self.given = self.given.saturating_sub(leaving);
+        drop_first(&mut self.cells, leaving);
+        drop_first(&mut self.own, leaving);
+        drop_first(&mut self.segments, leaving / SEGMENT_CELLS);
+    }
+}
+
+fn smooth<S: Scalar>(
+    numbers: &Numbers,
+    cell: &CellInput,
+    record: &Record<S>,
+    adjoint: &Adjoint<S>,
+) -> SmoothedCell {
+    let force = adjoint.smooth(&record.state, Quantity::DoubtfulForce);
+    SmoothedCell {
+        slope: adjoint
+            .smooth(&record.state, Quantity::RoadSlope)
+            .to_single(),
+        altitude: adjoint
+            .smooth(&record.state, Quantity::Altitude)
+            .to_single(),
+        disagreement: of_doubtful_force(numbers, cell, force.mean.to_f32()),
+    }
+}

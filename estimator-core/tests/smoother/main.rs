@@ -1,4 +1,0 @@
-//! The smoother: the fixed lag.
-
-mod fixed_lag;
-mod marks;

@@ -1,0 +1,150 @@
+//! The variances of a stretch of a run, inferred from all of it.
+
+use estimator_core::CELL_LENGTH_M;
+use estimator_core::filter::{Adjoint, CellInput, Dynamics, Quantity, Record, State};
+use estimator_core::inference::doubt::DoubtFinder;
+use estimator_core::inference::round::{Memory, Pass};
+use estimator_core::inference::{
+    CellModel, CellVariances, Levels, Round, SEGMENT_CELLS, SegmentVariances, Stretch,
+};
+use estimator_core::tuning::Numbers;
+
+/// Cells whose records are held at once.
+const BLOCK: usize = 2_048;
+/// Rounds of the inference.
+const ROUNDS: usize = 16;
+/// Rounds that tell whether overrun hides brakes.
+const BRAKE_ROUNDS: usize = 8;
+/// Length over which brakes must be hidden for the whole run to count as one without brake signals, m.
+const HIDDEN_BRAKE_M: f32 = 20.0;
+/// Force beyond which a brake is hidden, %, at a distance of four sigmas.
+const HIDDEN_BRAKE_PERCENT: f64 = 1.0;
+
+/// The variances of a stretch, and the memory of the passes over it.
+pub struct Inferred<'a> {
+    numbers: &'a Numbers,
+    cells: &'a [CellInput],
+    start: State<f64>,
+    own: Vec<CellVariances>,
+    segments: Vec<SegmentVariances>,
+    round: Round<'a>,
+    checkpoints: Vec<State<f64>>,
+    records: Vec<Record<f64>>,
+}
+
+impl<'a> Inferred<'a> {
+    /// Infers the variances of a stretch before which the filter is at `start`. Without signals of
+    /// brakes, overrun may hide them: that is tried first.
+    pub fn of(
+        numbers: &'a Numbers,
+        cells: &'a [CellInput],
+        start: State<f64>,
+        hides: bool,
+    ) -> Self {
+        let mut hides = hides;
+        if !hides && cells.iter().any(|cell| cell.marks.overrun) {
+            let trial = Self::after(numbers, cells, start, true, BRAKE_ROUNDS);
+            hides = trial.hidden_brake_m() > HIDDEN_BRAKE_M;
+        }
+        Self::after(numbers, cells, start, hides, ROUNDS)
+    }
+
+    /// Infers them in so many rounds.
+    pub fn after(
+        numbers: &'a Numbers,
+        cells: &'a [CellInput],
+        start: State<f64>,
+        overrun_is_doubtful: bool,
+        rounds: usize,
+    ) -> Self {
+        let mut own = vec![CellVariances::START; cells.len()];
+        let mut doubt = DoubtFinder::new(overrun_is_doubtful);
+        for (cell, own) in cells.iter().zip(&mut own) {
+            doubt.next(numbers, cell, own);
+        }
+        let segments = cells.len().div_ceil(SEGMENT_CELLS);
+        let mut inferred = Self {
+            numbers,
+            cells,
+            start,
+            own,
+            segments: vec![SegmentVariances::start(numbers, 1.0); segments],
+            round: Round {
+                model: CellModel::new(numbers),
+                levels: Levels::ONE,
+                infers: true,
+                leaving: 0,
+            },
+            checkpoints: vec![State::ZERO; cells.len().div_ceil(BLOCK)],
+            records: vec![Record::EMPTY; BLOCK.min(cells.len())],
+        };
+        for _ in 1..rounds {
+            inferred.infer();
+        }
+        inferred.round.infers = false;
+        inferred
+    }
+
+    /// Infers the variances once more.
+    fn infer(&mut self) {
+        let found = self.back(|_, _, _| ()).found;
+        found.revive(self.numbers, &mut self.segments);
+        self.round.levels = found.sums.levels(self.numbers);
+    }
+
+    /// Goes over the stretch and back. `take` gets each cell's index, record, and what later cells say,
+    /// the last cell first.
+    pub fn back(&mut self, take: impl FnMut(usize, &Record<f64>, &Adjoint<f64>)) -> Pass<f64> {
+        let mut stretch = Stretch {
+            cells: self.cells,
+            own: &mut self.own,
+            segments: &mut self.segments,
+        };
+        let mut memory = Memory {
+            checkpoints: &mut self.checkpoints,
+            records: &mut self.records,
+        };
+        self.round.run(&self.start, &mut stretch, &mut memory, take)
+    }
+
+    /// Goes over the stretch. `take` gets each cell's index, the cell, how the states moved, and the
+    /// record of the step.
+    pub fn forward(
+        &mut self,
+        mut take: impl FnMut(usize, &CellInput, &Dynamics<f64>, &Record<f64>),
+    ) {
+        let stretch = Stretch {
+            cells: self.cells,
+            own: &mut self.own,
+            segments: &mut self.segments,
+        };
+        let mut state = self.start;
+        for index in 0..self.cells.len() {
+            if let Some((cell, terms)) = self.round.terms(&stretch, index) {
+                let record = self.round.step(&mut state, cell, &terms, None);
+                take(index, cell, &terms.dynamics, &record);
+            }
+        }
+    }
+
+    /// Returns the variance of a step of the bias at the start of a cell's segment, %².
+    pub fn bias_shock(&self, cell: usize) -> f32 {
+        self.segments[cell / SEGMENT_CELLS].bias_shock
+    }
+
+    /// Returns over which distance brakes act that no signal reports, m.
+    fn hidden_brake_m(mut self) -> f32 {
+        let (cells, mut hidden) = (self.cells, 0);
+        self.back(|index, record, adjoint| {
+            let marks = &cells[index].marks;
+            if !marks.overrun || marks.invalid {
+                return;
+            }
+            let force = adjoint.smooth(&record.state, Quantity::DoubtfulForce);
+            if force.mean - 4.0 * force.variance.sqrt() > HIDDEN_BRAKE_PERCENT {
+                hidden += 1;
+            }
+        });
+        hidden as f32 * CELL_LENGTH_M
+    }
+}
