@@ -262,7 +262,7 @@ fn few_files_write_to_a_covariance() {
                 .iter()
                 .any(|matrix| words.contains(&format!("{matrix}.{call}(")))
         };
-        if calls.iter().any(|call| writes(&call)) {
+        if calls.iter().any(writes) {
             let name = path.strip_prefix(&folder).unwrap();
             found.insert(name.to_string_lossy().into_owned());
         }
