@@ -9,6 +9,7 @@ use estimator_core::filter::{
     CellInput, CellNoise, Dynamics, Marks, NOISES, Reading, State, StateIndex,
 };
 
+#[allow(clippy::unnecessary_cast, reason = "the number is single or double")]
 /// Measures the filter with all its states, on a level road at 20 m/s.
 pub fn ours(meter: &mut impl FilterMeter) {
     let speed_mps = 20.0;
