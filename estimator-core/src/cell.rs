@@ -200,7 +200,7 @@ pub struct Cell {
     pub live_grade_percent: Uncertain,
     /// Lagged grade: from the measurements up to a fixed lag later, %.
     pub lagged_grade_percent: Uncertain,
-    /// Altitude in m, in the datum of the GNSS source, smoothed within its block of cells; `None`
+    /// Altitude in m, in the datum of the GNSS source, smoothed over the window; `None`
     /// before the first fix.
     pub altitude_m: Option<Uncertain>,
     /// Whether nothing disagreed at the cell's end, as far as it was known there. Where it is

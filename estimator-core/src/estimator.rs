@@ -164,7 +164,7 @@ impl<S: Scalar> Estimator<S> {
         self.chain.known()
     }
 
-    /// Returns whether brakes act that the bus does not tell, as far as this drive or an earlier one has
+    /// Returns whether brakes act that no signal reports, as far as this drive or an earlier one has
     /// found.
     #[must_use]
     pub const fn hides_brakes(&self) -> bool {

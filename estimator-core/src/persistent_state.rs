@@ -1,6 +1,6 @@
 //! The persistent state: what one drive leaves for the next, and its form in non-volatile memory.
 //!
-//! It holds the slow states of the vehicle, the levels of the noises, and whether the bus tells brakes.
+//! It holds the slow states of the vehicle, the levels of the noises, and whether signals report all brakes.
 //! Everything else is found again within seconds. Wind is not kept: it is another one the next day.
 //! [`crate::filter::SlowStates`] decides how much of the persistent state the next drive starts with.
 //!
@@ -19,7 +19,7 @@
 //! | 36 | 2 f32 | slip of the driven tyres over traction per weight, and its variance |
 //! | 44 | 2 f32 | error of the retarder's factor, and its variance |
 //! | 52 | 6 f32 | learned over assumed variance of force, road, slow and fast GNSS error, altitude, speed |
-//! | 76 | u32 | 1 if brakes act that the bus does not tell, else 0 |
+//! | 76 | u32 | 1 if brakes act that no signal reports, else 0 |
 //! | 80 | u32 | CRC-32 (ISO-HDLC, as in zip and Ethernet) over the bytes before |
 //!
 //! On an ECU, write the bytes when the ignition goes off, into the older of two slots: an interrupted
@@ -181,7 +181,7 @@ impl PersistentState {
         &self.levels
     }
 
-    /// Returns whether brakes act that the bus does not tell.
+    /// Returns whether brakes act that no signal reports.
     #[must_use]
     pub const fn hides_brakes(&self) -> bool {
         self.hides_brakes

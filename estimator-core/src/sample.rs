@@ -143,9 +143,6 @@ pub enum AltitudeContinuity {
     /// Both come from the same receiver.
     #[default]
     Followed,
-    /// The slow error may have changed by any amount since. No sender reports this; a second pass
-    /// over a drive may know it from the first.
-    Drifted,
     /// The source is another one than before: its datum may differ by tens of metres.
     Switched,
 }

@@ -11,6 +11,10 @@ use crate::tuning::Numbers;
 const MOMENT_CELLS: f32 = 8.0;
 /// Cells from which on the offset is known, 250 m.
 const KNOWN_CELLS: f32 = 100.0;
+/// Difference that is no disagreement, %: body and driveline take it up.
+const LEAST_PERCENT: f32 = 0.7;
+/// Sigmas of the usual difference beyond which there is one.
+const SIGMAS: f32 = 6.0;
 
 /// A sensor on the body, beside the force balance.
 #[derive(Clone, Copy, Debug)]
@@ -71,8 +75,3 @@ impl BodySensor {
         }
     }
 }
-
-/// Difference that is no disagreement, %: body and driveline take it up.
-const LEAST_PERCENT: f32 = 0.7;
-/// Sigmas of the usual difference beyond which there is one.
-const SIGMAS: f32 = 6.0;

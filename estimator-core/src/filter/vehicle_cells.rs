@@ -51,67 +51,7 @@ impl VehicleCells {
             pitch: BodySensor::new(),
         }
     }
-}
 
-/// A rest of the torque that ended in a cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EndedRest {
-    /// Its duration, s.
-    pub duration_s: f32,
-    /// Sigma of the force meanwhile, as a slope, %.
-    pub percent: f32,
-}
-
-impl EndedRest {
-    /// Returns the rest that ended in the cell of a sample; `None` if none did, or if the torque rested
-    /// at a limit, where it was known.
-    #[must_use]
-    pub fn of(numbers: &Numbers, sample: &Sample) -> Option<Self> {
-        let rest = &sample.torque_rest;
-        if rest.ended_s <= 0.0 || rest.ended_at_limit {
-            return None;
-        }
-        let walk_n = walk_n(numbers, rest.ended_s, rest.per_percent_n);
-        let sigma_n = Scalar::sqrt(square(rest.jump_n) + square(walk_n));
-        Some(Self {
-            duration_s: rest.ended_s,
-            percent: 100.0 * sigma_n / sample.forces.weight_n(),
-        })
-    }
-
-    /// Marks the cells over which the torque rested, of which the newest one is the last.
-    pub fn mark(&self, cells: &mut [CellInput]) {
-        let mut left_s = self.duration_s;
-        for cell in cells.iter_mut().rev() {
-            cell.rest_percent = Scalar::max(cell.rest_percent, self.percent);
-            left_s -= cell.duration_s;
-            if left_s < 0.0 {
-                cell.marks.rest_begins = true;
-                return;
-            }
-        }
-    }
-}
-
-/// Returns by how much a torque may be off that is not renewed, N.
-fn walk_n(numbers: &Numbers, rest_s: f32, per_percent_n: f32) -> f32 {
-    if rest_s > numbers.rest_long_s {
-        numbers.rest_walk_percent * Scalar::sqrt(rest_s) * per_percent_n
-    } else {
-        0.0
-    }
-}
-
-/// The forces of a cell, as slopes.
-struct Forces<'a> {
-    numbers: &'a Numbers,
-    context: &'a Context,
-    sample: &'a Sample,
-    weight_n: f32,
-    drag_n: f32,
-}
-
-impl VehicleCells {
     /// Returns the altitude from which those of the cells count, m; `None` before the first.
     #[must_use]
     pub const fn origin_m(&self) -> Option<f32> {
@@ -135,14 +75,15 @@ impl VehicleCells {
         let forces = &Forces::new(numbers, context, sample);
         let marks = forces.marks(begins, gap);
         let mps = sample.end.speed_mps;
-        let energies = (self.energy_before, 0.5 * mps * mps);
+        let energy = 0.5 * mps * mps;
+        let energies = (core::mem::replace(&mut self.energy_before, energy), energy);
         let before_percent = self.net_traction_percent;
         if sample.after_stop {
             self.net_traction_percent = 0.0;
         } else if !marks.invalid {
             self.net_traction_percent = forces.percent(sample.forces.traction_n - forces.drag_n);
         }
-        let launches = self.launches(numbers, sample, gap);
+        let launches = self.launches(numbers, sample, energies, gap);
         let traction_jump_percent = if (launches || sample.after_stop) && !gap {
             self.net_traction_percent - before_percent
         } else {
@@ -285,16 +226,19 @@ impl VehicleCells {
 
     /// Follows launches: for some distance behind a stop, what the traction changes while the vehicle
     /// gains speed is the driver's, and no answer to the road.
-    fn launches(&mut self, numbers: &Numbers, sample: &Sample, gap: bool) -> bool {
-        let mps = sample.end.speed_mps;
-        let energy = 0.5 * mps * mps;
-        let before = core::mem::replace(&mut self.energy_before, energy);
+    fn launches(
+        &mut self,
+        numbers: &Numbers,
+        sample: &Sample,
+        (before, after): (f32, f32),
+        gap: bool,
+    ) -> bool {
         if sample.duration_s > numbers.launch_stop_s {
             self.since_stop_m = 0.0;
         }
         let launches = !gap
             && self.since_stop_m < numbers.launch_length_m
-            && energy - before > numbers.launch_mps2 * CELL_LENGTH_M;
+            && after - before > numbers.launch_mps2 * CELL_LENGTH_M;
         self.since_stop_m += CELL_LENGTH_M;
         launches
     }
@@ -310,6 +254,64 @@ impl VehicleCells {
             variance: square(numbers.altitude_noise_m * altitude.dilution),
         }
     }
+}
+
+/// A rest of the torque that ended in a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EndedRest {
+    /// Its duration, s.
+    pub duration_s: f32,
+    /// Sigma of the force meanwhile, as a slope, %.
+    pub percent: f32,
+}
+
+impl EndedRest {
+    /// Returns the rest that ended in the cell of a sample; `None` if none did, or if the torque rested
+    /// at a limit, where it was known.
+    #[must_use]
+    pub fn of(numbers: &Numbers, sample: &Sample) -> Option<Self> {
+        let rest = &sample.torque_rest;
+        if rest.ended_s <= 0.0 || rest.ended_at_limit {
+            return None;
+        }
+        let walk_n = walk_n(numbers, rest.ended_s, rest.per_percent_n);
+        let sigma_n = Scalar::sqrt(square(rest.jump_n) + square(walk_n));
+        Some(Self {
+            duration_s: rest.ended_s,
+            percent: 100.0 * sigma_n / sample.forces.weight_n(),
+        })
+    }
+
+    /// Marks the cells over which the torque rested, of which the newest one is the last.
+    pub fn mark(&self, cells: &mut [CellInput]) {
+        let mut left_s = self.duration_s;
+        for cell in cells.iter_mut().rev() {
+            cell.rest_percent = Scalar::max(cell.rest_percent, self.percent);
+            left_s -= cell.duration_s;
+            if left_s < 0.0 {
+                cell.marks.rest_begins = true;
+                return;
+            }
+        }
+    }
+}
+
+/// Returns by how much a torque may be off that is not renewed, N.
+fn walk_n(numbers: &Numbers, rest_s: f32, per_percent_n: f32) -> f32 {
+    if rest_s > numbers.rest_long_s {
+        numbers.rest_walk_percent * Scalar::sqrt(rest_s) * per_percent_n
+    } else {
+        0.0
+    }
+}
+
+/// The forces of a cell, as slopes.
+struct Forces<'a> {
+    numbers: &'a Numbers,
+    context: &'a Context,
+    sample: &'a Sample,
+    weight_n: f32,
+    drag_n: f32,
 }
 
 impl<'a> Forces<'a> {

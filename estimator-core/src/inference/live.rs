@@ -2,7 +2,6 @@
 
 use super::doubt::DoubtFinder;
 use super::levels::{LevelSums, Levels};
-use super::round::Stretch;
 use super::variances::{CellVariances, SEGMENT_CELLS, SegmentVariances};
 use super::window::{
     LiveSlope, Slope, UPDATE_CELLS, Window, is_undecided, of_doubtful_force, timing_variance,
@@ -28,21 +27,21 @@ impl<S: Scalar> Window<S> {
     ) -> LiveSlope {
         if !self.has_begun {
             self.has_begun = true;
-            self.committed = prior();
-            self.newest = self.committed;
+            self.newest = prior();
+            self.adopted.committed = self.newest;
         }
         let index = self.cells.len();
         if index.is_multiple_of(SEGMENT_CELLS) {
             let mut segment = SegmentVariances::start(numbers, numbers.live_multiplier);
             // A road that was smooth so far may bend here.
-            segment.road *= Scalar::max(1.0, 1.0 / self.levels.road);
-            let _ = self.segments.push(segment);
+            segment.road *= Scalar::max(1.0, 1.0 / self.adopted.levels.road);
+            let _ = self.adopted.segments.push(segment);
         }
         let mut own = CellVariances::START;
         self.newest_doubt.next(numbers, cell, &mut own);
         // There is room: an update makes it.
         let _ = self.cells.push(*cell);
-        let _ = self.own.push(own);
+        let _ = self.adopted.own.push(own);
         if let Some(rest) = rest {
             rest.mark(&mut self.cells);
         }
@@ -58,12 +57,8 @@ impl<S: Scalar> Window<S> {
     }
 
     fn step_live(&mut self, numbers: &Numbers, cell: &CellInput, index: usize) -> LiveSlope {
-        let round = self.round(numbers, 0);
-        let stretch = Stretch {
-            cells: &self.cells,
-            own: &mut self.own,
-            segments: &mut self.segments,
-        };
+        let round = self.adopted.round(numbers, 0);
+        let stretch = self.adopted.stretch(&self.cells);
         let Some((_, terms)) = round.terms(&stretch, index) else {
             return self.restart(numbers);
         };
@@ -102,12 +97,12 @@ impl<S: Scalar> Window<S> {
     /// Forgets everything but the hypothesis: a number is not finite. The cells of the window are lost.
     fn restart(&mut self, numbers: &Numbers) -> LiveSlope {
         let hypothesis = self.hides_brakes();
-        for doubt in [&mut self.doubt, &mut self.newest_doubt] {
+        for doubt in [&mut self.adopted.doubt, &mut self.newest_doubt] {
             *doubt = DoubtFinder::new(hypothesis);
         }
         self.clear();
         (self.fetched, self.finished) = (0, 0);
-        (self.levels, self.past) = (Levels::ONE, LevelSums::default());
+        (self.adopted.levels, self.adopted.past) = (Levels::ONE, LevelSums::NONE);
         (self.undecided_variance, self.live_slope) = (0.0, 0.0);
         self.has_begun = false;
         let prior = numbers.prior_slope_percent;

@@ -12,13 +12,16 @@
 //! | [`fixed_point`] | the one place where variances are inferred |
 //! | [`round`] | one round: forward and backward over a stretch of cells |
 //! | [`window`], `work` | the window behind the vehicle, and what its update is at |
-//! | `trial` | the hypothesis that the bus does not tell brakes |
+//! | `hypothesis` | what the window infers with or without brakes that no signal reports |
+//! | `trial`, [`hidden_brakes`] | the second hypothesis beside the first, and what decides |
 //! | `past_steps` | steps of the bias behind the window |
 //! | `live`, `update` | the live grade; rounds in shares of work, and the lagged grade |
 
 pub mod cell_model;
 pub mod doubt;
 pub mod fixed_point;
+pub mod hidden_brakes;
+mod hypothesis;
 pub mod levels;
 mod live;
 mod past_steps;
@@ -32,6 +35,7 @@ mod work;
 pub use crate::tuning::Numbers;
 pub use cell_model::CellModel;
 pub use fixed_point::FixedPoint;
+pub use hidden_brakes::HiddenBrakes;
 pub use levels::{LevelSums, Levels};
 pub use round::{Pass, Round, Stretch};
 pub use variances::{CellVariances, DoubtCell, SEGMENT_CELLS, SegmentVariances};

@@ -87,7 +87,7 @@ impl<S: Scalar> Pass<S> {
     pub fn from(start: State<S>) -> Self {
         Self {
             found: FixedPoint::default(),
-            leaving: LevelSums::default(),
+            leaving: LevelSums::NONE,
             newest: start,
             stage: Stage::Forward,
             at: 0,

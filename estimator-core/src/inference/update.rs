@@ -1,7 +1,6 @@
 //! The update of the window, in shares of work: two rounds over its cells, of which the last one gives
 //! the lagged estimates; then the trial of hidden brakes, and the cells that leave.
 
-use super::levels::LevelSums;
 use super::round::{Memory, Pass, Stretch};
 use super::variances::SEGMENT_CELLS;
 use super::window::{
@@ -9,7 +8,6 @@ use super::window::{
     of_doubtful_force,
 };
 use super::work::{Work, drop_first};
-use crate::cell::CELL_LENGTH_M;
 use crate::filter::{Adjoint, CellInput, Quantity, Record};
 use crate::scalar::Scalar;
 use crate::tuning::Numbers;
@@ -39,18 +37,10 @@ impl<S: Scalar> Window<S> {
         self.begin_round(numbers);
     }
 
-    /// Finds anew where the force is in doubt: rests of the torque were marked since.
     fn begin_round(&mut self, numbers: &Numbers) {
         let leaving = self.leaving();
-        let mut doubt = self.doubt;
-        for (index, (cell, own)) in self.cells.iter().zip(&mut self.own).enumerate() {
-            if index == leaving {
-                self.doubt_behind_leaving = doubt;
-            }
-            doubt.next(numbers, cell, own);
-        }
-        self.newest_doubt = doubt;
-        self.pass = Pass::from(self.committed);
+        self.newest_doubt = self.adopted.begin_round(numbers, &self.cells, leaving);
+        self.pass = Pass::from(self.adopted.committed);
     }
 
     /// Returns the number of cells that leave with this round: whole updates, in the last round.
@@ -74,14 +64,10 @@ impl<S: Scalar> Window<S> {
     }
 
     fn go_on(&mut self, numbers: &Numbers, left: u8, ends: bool) {
-        let round = self.round(numbers, self.leaving());
+        let round = self.adopted.round(numbers, self.leaving());
         let (first, is_last) = (self.given.saturating_sub(1), left == 1);
         let (cells, smoothed) = (&self.cells, &mut self.smoothed);
-        let mut stretch = Stretch {
-            cells,
-            own: &mut self.own,
-            segments: &mut self.segments,
-        };
+        let mut stretch = self.adopted.stretch(cells);
         let mut memory = Memory {
             checkpoints: &mut self.checkpoints,
             records: &mut self.records,
@@ -116,15 +102,11 @@ impl<S: Scalar> Window<S> {
         let (adjoint, found) = (*self.pass.adjoint(), &mut self.pass.found);
         let past = self.past_steps.judge(numbers, &adjoint, found);
         if let Some(at) = past {
-            self.past_steps.open(at, &mut self.committed);
+            self.past_steps.open(at, &mut self.adopted.committed);
         }
-        found.revive(numbers, &mut self.segments);
         self.undecided_variance = found.undecided_variance(numbers);
-        let left_m = self.leaving() as f32 * CELL_LENGTH_M;
-        let kept = libm::expf(-left_m / numbers.level_memory_m);
-        self.past = self.past.decayed_plus(kept, &self.pass.leaving);
-        let sums: LevelSums = self.past.decayed_plus(1.0, &self.pass.found.sums);
-        self.levels = sums.levels(numbers);
+        let leaving = self.leaving();
+        self.adopted.end_round(numbers, &self.pass, leaving);
     }
 
     /// Finishes the cells whose lag is over, and drops those that leave.
@@ -144,6 +126,7 @@ impl<S: Scalar> Window<S> {
                 break;
             };
             let shock = self
+                .adopted
                 .segments
                 .get(index / SEGMENT_CELLS)
                 .is_some_and(|segment| segment.bias_shock > most);
@@ -172,18 +155,18 @@ impl<S: Scalar> Window<S> {
 
     /// Takes the state before the window over cells that leave it, with the steps behind it.
     fn leave(&mut self, numbers: &Numbers, at: usize) {
-        let round = self.round(numbers, 0);
+        let round = self.adopted.round(numbers, 0);
         let stretch = Stretch {
             cells: &self.cells,
-            own: &mut self.own,
-            segments: &mut self.segments,
+            own: &mut self.adopted.own,
+            segments: &mut self.adopted.segments,
         };
         let opened = numbers.start_shock_percent * numbers.start_shock_percent;
         for index in at..at + SHARE_CELLS {
             let Some((cell, terms)) = round.terms(&stretch, index) else {
                 break;
             };
-            let record = round.step(&mut self.committed, cell, &terms, None);
+            let record = round.step(&mut self.adopted.committed, cell, &terms, None);
             let segment = stretch.segments.get(index / SEGMENT_CELLS);
             let is_closed = segment.is_some_and(|segment| segment.bias_shock < opened);
             let begins = index.is_multiple_of(SEGMENT_CELLS) && is_closed && !cell.marks.gap;
@@ -220,11 +203,9 @@ impl<S: Scalar> Window<S> {
 
     /// Drops the first cells: whole segments.
     fn drop_first(&mut self, leaving: usize) {
-        self.doubt = self.doubt_behind_leaving;
         self.given = self.given.saturating_sub(leaving);
         drop_first(&mut self.cells, leaving);
-        drop_first(&mut self.own, leaving);
-        drop_first(&mut self.segments, leaving / SEGMENT_CELLS);
+        self.adopted.drop_first(leaving);
     }
 }
 

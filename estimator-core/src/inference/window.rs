@@ -3,13 +3,14 @@
 //! `live` takes a cell and moves the live state over it. Every 100 m the window is due for an update,
 //! which is done in shares of work (`update`).
 
-use super::cell_model::CellModel;
 use super::doubt::DoubtFinder;
+use super::hidden_brakes::HiddenBrakes;
+use super::hypothesis::Hypothesis;
 use super::levels::{LevelSums, Levels};
 use super::past_steps::PastSteps;
-use super::round::{Pass, Round};
-use super::variances::{CellVariances, SEGMENT_CELLS, SegmentVariances};
-use super::work::{Trial, Work};
+use super::round::Pass;
+use super::variances::SEGMENT_CELLS;
+use super::work::Work;
 use crate::cell::Disagreement;
 use crate::filter::{CellInput, Moments, Record, State};
 use crate::scalar::Scalar;
@@ -40,23 +41,20 @@ pub(super) const SHARE_CELLS: usize = 4;
 pub(super) const BLOCK_CELLS: usize = SEGMENT_CELLS;
 const BLOCKS: usize = CAPACITY / BLOCK_CELLS;
 pub(super) const SEGMENTS: usize = CAPACITY / SEGMENT_CELLS;
+
 /// The window of a drive.
 #[derive(Clone, Debug)]
 pub struct Window<S> {
     pub(super) cells: Vec<CellInput, CAPACITY>,
-    pub(super) own: Vec<CellVariances, CAPACITY>,
-    pub(super) segments: Vec<SegmentVariances, SEGMENTS>,
-    /// How the force was in doubt before the window.
-    pub(super) doubt: DoubtFinder,
-    pub(super) doubt_behind_leaving: DoubtFinder,
-    /// The same up to the newest cell.
+    /// What is inferred of them.
+    pub(super) adopted: Hypothesis<S, CAPACITY, SEGMENTS>,
+    /// The same if overrun hides brakes, while that is tried.
+    pub(super) trial: Hypothesis<S, CAPACITY, SEGMENTS>,
+    pub(super) is_trying: bool,
+    pub(super) hidden_brakes: HiddenBrakes,
+    /// How the force is in doubt up to the newest cell.
     pub(super) newest_doubt: DoubtFinder,
-    /// The state before the window.
-    pub(super) committed: State<S>,
     pub(super) newest: State<S>,
-    pub(super) levels: Levels,
-    /// Sums behind the levels of the cells before the window.
-    pub(super) past: LevelSums,
     pub(super) undecided_variance: f32,
     pub(super) live_slope: f32,
     /// Smoothed cells. The first one is that before the first cell that waits.
@@ -70,7 +68,6 @@ pub struct Window<S> {
     pub(super) records: [Record<S>; BLOCK_CELLS],
     pub(super) work: Work,
     pub(super) pass: Pass<S>,
-    pub(super) trial: Trial<S, CAPACITY, SEGMENTS>,
     pub(super) past_steps: PastSteps<S>,
     pub(super) has_begun: bool,
     /// Whether variances are inferred.
@@ -121,18 +118,14 @@ impl<S: Scalar> Window<S> {
     #[must_use]
     #[inline(always)] // See Estimator::new_in().
     pub fn new() -> Self {
-        let doubt = DoubtFinder::new(false);
         Self {
             cells: Vec::new(),
-            own: Vec::new(),
-            segments: Vec::new(),
-            doubt,
-            doubt_behind_leaving: doubt,
-            newest_doubt: doubt,
-            committed: State::ZERO,
+            adopted: Hypothesis::new(false),
+            trial: Hypothesis::new(true),
+            is_trying: false,
+            hidden_brakes: HiddenBrakes::NONE,
+            newest_doubt: DoubtFinder::new(false),
             newest: State::ZERO,
-            levels: Levels::ONE,
-            past: LevelSums::default(),
             undecided_variance: 0.0,
             live_slope: 0.0,
             smoothed: [SmoothedCell::NONE; SMOOTHED_CELLS],
@@ -143,7 +136,6 @@ impl<S: Scalar> Window<S> {
             records: [Record::EMPTY; BLOCK_CELLS],
             work: Work::None,
             pass: Pass::done(),
-            trial: Trial::new(),
             past_steps: PastSteps::new(),
             has_begun: false,
             infers: S::INFERS && WITH_WINDOW,
@@ -164,25 +156,16 @@ impl<S: Scalar> Window<S> {
     /// Starts with what an earlier drive has learned, before the first cell: the levels, as sums that
     /// count for some cells, and whether the bus hides brakes.
     pub fn resume(&mut self, past: LevelSums, hides_brakes: bool, numbers: &Numbers) {
-        self.past = past;
-        self.levels = past.levels(numbers);
-        self.set_hypothesis(hides_brakes);
-    }
-
-    pub(super) fn set_hypothesis(&mut self, hides_brakes: bool) {
-        for doubt in [
-            &mut self.doubt,
-            &mut self.doubt_behind_leaving,
-            &mut self.newest_doubt,
-        ] {
-            doubt.overrun_is_doubtful = hides_brakes;
-        }
+        self.adopted.past = past;
+        self.adopted.levels = past.levels(numbers);
+        self.adopted.doubt.overrun_is_doubtful = hides_brakes;
+        self.newest_doubt.overrun_is_doubtful = hides_brakes;
     }
 
     /// Returns the levels so far.
     #[must_use]
     pub const fn levels(&self) -> &Levels {
-        &self.levels
+        &self.adopted.levels
     }
 
     /// Returns the state behind the newest cell; `None` before the first.
@@ -198,32 +181,22 @@ impl<S: Scalar> Window<S> {
     /// Returns whether overrun counts as doubtful: brakes act that no signal reports.
     #[must_use]
     pub const fn hides_brakes(&self) -> bool {
-        self.doubt.overrun_is_doubtful
-    }
-
-    pub(super) fn round<'n>(&self, numbers: &'n Numbers, leaving: usize) -> Round<'n> {
-        Round {
-            model: CellModel::new(numbers),
-            levels: self.levels,
-            infers: true,
-            leaving,
-        }
+        self.adopted.doubt.overrun_is_doubtful
     }
 
     /// Leaves all cells behind: what is known of them is in the newest state.
     pub(super) fn leave_all(&mut self) {
-        self.committed = self.newest;
-        self.doubt = self.newest_doubt;
+        self.adopted.committed = self.newest;
+        self.adopted.doubt = self.newest_doubt;
         self.clear();
     }
 
     pub(super) fn clear(&mut self) {
         self.cells.clear();
-        self.own.clear();
-        self.segments.clear();
+        self.adopted.clear();
         self.given = 0;
         self.past_steps.clear();
-        self.trial.end();
+        self.end_trial();
         (self.work, self.pass) = (Work::None, Pass::done());
     }
 

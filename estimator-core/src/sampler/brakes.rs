@@ -1,6 +1,6 @@
 //! Reported brakes, and their hold time.
 //!
-//! The hold time after gear shifts is in `sampler/mod.rs` (`Parts::hold_shift`).
+//! The hold time after gear shifts is in `sampler/parts.rs` (`Parts::hold_shift`).
 
 use super::latest::Latest;
 use crate::scalar::Scalar;

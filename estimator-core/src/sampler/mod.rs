@@ -8,7 +8,8 @@
 //! |---|---|
 //! | `driveline`, `traction` | gear and clutch; torque or force to mean traction force |
 //! | `engine_configuration` | reference torque and inertia that the engine reports |
-//! | `brakes` | brakes that signals report |
+//! | `traction_lag`, `torque_rests` | traction that is late beside the motion; torque that is not renewed |
+//! | `brakes`, `retarder` | brakes and retarders that signals report |
 //! | `odometer`, `speed_check`, `speed_returns` | distance and cells; plausibility of speed readings; those of two senders |
 //! | `gnss` | positions and altitudes along the driven distance |
 //! | `gnss_timing`, `lagged_differences`, `speed_lag`, `lag_regression` | age of a fix; scale of the wheel speed |

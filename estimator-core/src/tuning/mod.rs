@@ -122,7 +122,7 @@ tuning! {
         reported_mass_sigma: f32 = 0.05, 1e-3..=1.0, "1", "error of a mass that the bus reports as a part of it, 1 sigma", "chosen: axle loads from air springs scatter by some per cent";
     }
 
-    /// What one drive tells the next.
+    /// What is kept for the next drive.
     prior: Prior {
         torque_sigma: f32 = 0.04, 0.0..=1.0, "1", "error of the engine torque as a part of it, 1 sigma: it is in the sigma of the mass", "engine torque is right within 4 %, 1 sigma";
         kept_bias: f32 = 0.35, 0.0..=1.0, "1", "part of the bias that belongs to the vehicle and is kept for the next drive", "drag area and shape outlast a trip, weather and tyre temperature do not: 0.3 (12 t) to 0.4 (39 t) of the variance";

@@ -42,7 +42,6 @@ fn sample() -> impl Strategy<Value = Sample> {
     });
     let continuity = prop_oneof![
         Just(AltitudeContinuity::Followed),
-        Just(AltitudeContinuity::Drifted),
         Just(AltitudeContinuity::Switched)
     ];
     let altitude =

@@ -1,11 +1,10 @@
 //! The variances of a stretch of a run, inferred from all of it.
 
-use estimator_core::CELL_LENGTH_M;
-use estimator_core::filter::{Adjoint, CellInput, Dynamics, Quantity, Record, State};
+use estimator_core::filter::{Adjoint, CellInput, Dynamics, Record, State};
 use estimator_core::inference::doubt::DoubtFinder;
 use estimator_core::inference::round::{Memory, Pass};
 use estimator_core::inference::{
-    CellModel, CellVariances, Levels, Round, SEGMENT_CELLS, SegmentVariances, Stretch,
+    CellModel, CellVariances, HiddenBrakes, Levels, Round, SEGMENT_CELLS, SegmentVariances, Stretch,
 };
 use estimator_core::tuning::Numbers;
 
@@ -15,10 +14,6 @@ const BLOCK: usize = 2_048;
 const ROUNDS: usize = 16;
 /// Rounds that tell whether overrun hides brakes.
 const BRAKE_ROUNDS: usize = 8;
-/// Length over which brakes must be hidden for the whole run to count as one without brake signals, m.
-const HIDDEN_BRAKE_M: f32 = 20.0;
-/// Force beyond which a brake is hidden, %, at a distance of four sigmas.
-const HIDDEN_BRAKE_PERCENT: f64 = 1.0;
 
 /// The variances of a stretch, and the memory of the passes over it.
 pub struct Inferred<'a> {
@@ -39,14 +34,12 @@ impl<'a> Inferred<'a> {
         numbers: &'a Numbers,
         cells: &'a [CellInput],
         start: State<f64>,
-        hides: bool,
+        hides_brakes: bool,
     ) -> Self {
-        let mut hides = hides;
-        if !hides && cells.iter().any(|cell| cell.marks.overrun) {
-            let trial = Self::after(numbers, cells, start, true, BRAKE_ROUNDS);
-            hides = trial.hidden_brake_m() > HIDDEN_BRAKE_M;
-        }
-        Self::after(numbers, cells, start, hides, ROUNDS)
+        let hides_brakes = hides_brakes
+            || cells.iter().any(HiddenBrakes::could_be_in)
+                && Self::after(numbers, cells, start, true, BRAKE_ROUNDS).hides_brakes();
+        Self::after(numbers, cells, start, hides_brakes, ROUNDS)
     }
 
     /// Infers them in so many rounds.
@@ -132,19 +125,10 @@ impl<'a> Inferred<'a> {
         self.segments[cell / SEGMENT_CELLS].bias_shock
     }
 
-    /// Returns over which distance brakes act that no signal reports, m.
-    fn hidden_brake_m(mut self) -> f32 {
-        let (cells, mut hidden) = (self.cells, 0);
-        self.back(|index, record, adjoint| {
-            let marks = &cells[index].marks;
-            if !marks.overrun || marks.invalid {
-                return;
-            }
-            let force = adjoint.smooth(&record.state, Quantity::DoubtfulForce);
-            if force.mean - 4.0 * force.variance.sqrt() > HIDDEN_BRAKE_PERCENT {
-                hidden += 1;
-            }
-        });
-        hidden as f32 * CELL_LENGTH_M
+    /// Returns whether brakes act that no signal reports.
+    fn hides_brakes(mut self) -> bool {
+        let (cells, mut hidden) = (self.cells, HiddenBrakes::NONE);
+        self.back(|index, record, later| hidden.take(&cells[index], record, later));
+        hidden.are_found()
     }
 }

@@ -64,8 +64,8 @@ impl Piece {
         }
     }
 
-    /// Infers the variances. `hides_brakes` is whether an earlier drive found that the bus does not tell
-    /// brakes. Returns `None` without a cell.
+    /// Infers the variances. `hides_brakes` is whether an earlier drive found brakes that no signal
+    /// reports. Returns `None` without a cell.
     pub fn infer<'a>(&'a self, numbers: &'a Numbers, hides_brakes: bool) -> Option<Inferred<'a>> {
         Some(Inferred::of(
             numbers,
@@ -75,7 +75,7 @@ impl Piece {
         ))
     }
 
-    /// Infers the variances in so many rounds, with the bus telling all brakes.
+    /// Infers the variances in so many rounds, as if signals reported all brakes.
     pub fn infer_quickly<'a>(
         &'a self,
         numbers: &'a Numbers,

@@ -20,7 +20,7 @@ const OVERLAP: usize = 4_000;
 pub struct Known<'a> {
     /// The states of the vehicle.
     pub slow_states: Option<&'a SlowStates>,
-    /// Whether brakes act that the bus does not tell.
+    /// Whether brakes act that no signal reports.
     pub hides_brakes: bool,
 }
 
