@@ -4,7 +4,6 @@ use super::waiting::{Waiting, WaitingCell};
 use crate::cell::{CELL_LENGTH_M, Cell, CellEnd, Disagreement, Estimate, Live};
 use crate::context::Context;
 use crate::counters::{count, count_by};
-use crate::filter::vehicle_cells::EndedRest;
 use crate::filter::{CellInput, ModelMass, Quantity, SlowStates, VehicleCells, initial_state};
 use crate::inference::window::{LiveSlope, Slope, Window, timing_variance};
 use crate::persistent_state::PersistentState;
@@ -68,12 +67,17 @@ impl<S: Scalar> CellEstimator<S> {
     /// no speed yet.
     pub fn push(&mut self, context: &mut Context, sample: &Sample) -> bool {
         let numbers = &context.tuning.estimation;
-        let Some(cell) = self.cells.next(numbers, context, sample) else {
+        let Some(cell) = self
+            .cells
+            .next(numbers, context, sample, self.known.as_ref())
+        else {
             return false;
         };
-        let rest = EndedRest::of(numbers, sample);
+        let doubt_behind = self.cells.doubt_behind(numbers, sample);
         let prior = || initial_state(self.known.as_ref(), context, sample, &cell);
-        let live = self.window.push(numbers, &cell, rest.as_ref(), prior);
+        let live = self
+            .window
+            .push(numbers, &cell, doubt_behind.as_ref(), prior);
         self.give_up_unfetched(context);
         count_events(context, &cell, &live);
         self.take_live(context, sample, &live);
@@ -229,7 +233,7 @@ fn count_events(context: &mut Context, cell: &CellInput, live: &LiveSlope) {
         (&mut counters.speed_steps, live.speed_steps),
         (
             &mut counters.loads_reopened,
-            cell.marks.load_stop && !cell.marks.gap,
+            cell.load_variance > 0.0 && !cell.marks.gap,
         ),
         (&mut counters.restarts, live.restarted),
     ];

@@ -9,6 +9,8 @@ use crate::tuning::Numbers;
 
 /// Cells of the mean of a moment, 20 m.
 const MOMENT_CELLS: f32 = 8.0;
+/// Cells in which a disagreement may have begun that is noticed now.
+pub(super) const NOTICED_CELLS: f32 = 10.0;
 /// Cells from which on the offset is known, 250 m.
 const KNOWN_CELLS: f32 = 100.0;
 /// Difference that is no disagreement, %: body and driveline take it up.
@@ -21,7 +23,7 @@ const SIGMAS: f32 = 6.0;
 pub(super) struct BodySensor {
     /// Mean of what the sensor reads beyond the force balance, %.
     offset_percent: f32,
-    /// Mean of the squared difference from it in a cell, %².
+    /// Variance of the difference from it in a cell, as white noise that explains its moments, %².
     variance: f32,
     /// The mean of the moment less the offset, %.
     moment_percent: f32,
@@ -51,7 +53,10 @@ impl BodySensor {
         // What one of the two has wrong is no offset.
         let part = if self.disagrees() > 0.0 { 0.1 } else { 1.0 };
         self.offset_percent += part * error / self.cells;
-        let bounded = Scalar::min(error.squared(), 25.0 * self.variance);
+        // What lasts for a moment is no white noise. A running mean over N cells has 1/(2 N − 1) of its
+        // variance.
+        let squared = (2.0 * MOMENT_CELLS - 1.0) * self.moment_percent.squared();
+        let bounded = Scalar::min(squared, 25.0 * self.variance);
         self.variance += part * (bounded - self.variance) / self.cells;
     }
 
@@ -66,7 +71,7 @@ impl BodySensor {
     /// explains it.
     pub(super) fn disagrees(&self) -> f32 {
         let moment = self.moment_percent.abs();
-        let usual = Scalar::sqrt(self.variance / MOMENT_CELLS);
+        let usual = Scalar::sqrt(self.variance / (2.0 * MOMENT_CELLS - 1.0));
         let is_known = self.cells >= KNOWN_CELLS;
         if is_known && moment > Scalar::max(LEAST_PERCENT, SIGMAS * usual) {
             moment

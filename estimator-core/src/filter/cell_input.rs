@@ -27,6 +27,8 @@ pub struct CellInput {
     pub fixed_force_variance: f32,
     /// Stationary variance of the bias, %².
     pub bias_variance: f32,
+    /// Variance that the scale gains at most, where the load may have changed before the cell; else 0.
+    pub load_variance: f32,
     /// Variance that the bias gains by uncertain effects, %².
     pub effect_variance: f32,
     /// Stationary variance of the wind, %².
@@ -98,10 +100,6 @@ pub struct Marks {
     pub overrun: bool,
     /// A rest of the torque begins in this cell.
     pub rest_begins: bool,
-    /// The load may have changed before this cell.
-    pub load_stop: bool,
-    /// The mass is told: a change of the load would be one that its report lacks.
-    pub mass_told: bool,
     /// The cell does not follow the last one.
     pub gap: bool,
     /// Another receiver gives the altitude from here on.

@@ -60,6 +60,19 @@ impl SlowStates {
         }
     }
 
+    /// Returns which part of the scale is kept for a drive that begins with a sample: none if it was
+    /// learned for another mass.
+    #[must_use]
+    pub fn kept_scale(&self, context: &Context, sample: &Sample) -> f32 {
+        let tuning = &context.tuning.prior;
+        let change_kg = (sample.forces.mass_kg - self.mass_kg).abs();
+        if change_kg <= tuning.same_load * self.mass_kg {
+            tuning.kept_scale
+        } else {
+            0.0
+        }
+    }
+
     /// Takes one step from the end of that drive to the start of this one. `fresh` is what a first
     /// drive would assume with this mass in kg.
     ///
@@ -68,22 +81,25 @@ impl SlowStates {
     /// is anything that a load can make it. Averaged over loads, such a mixture has the mean and
     /// variance of a Markov step. A scale that was learned for another reported load says nothing of
     /// this one.
-    fn carry_over<S: Scalar>(&self, fresh: &mut State<S>, mass_kg: f32, tuning: &Prior) {
-        let mut step = |index: StateIndex, of: &SlowState, keep: f32, any: Option<f32>| {
+    fn carry_over<S: Scalar>(&self, fresh: &mut State<S>, context: &Context, sample: &Sample) {
+        let mut step = |index: StateIndex, of: &SlowState, keep: f32| {
             let unknown = fresh.covariance.get(index, index);
-            let any = any.map_or(unknown, |sigma| S::from_f32(sigma * sigma));
             let kept = S::from_f32(keep * keep);
-            let variance = kept * S::from_f32(of.variance) + (S::ONE - kept) * any;
+            let variance = kept * S::from_f32(of.variance) + (S::ONE - kept) * unknown;
             fresh.mean[index as usize] = S::from_f32(keep * of.mean);
             fresh.covariance.add(index, index, variance - unknown);
         };
-        let (keep_bias, keep_scale) = (tuning.kept_bias, tuning.kept_scale);
-        step(Bias, &self.bias, keep_bias, None);
-        step(TyreSlip, &self.tyre_slip, keep_scale, None);
-        step(Retarder, &self.retarder, keep_scale, None);
-        if (mass_kg - self.mass_kg).abs() <= tuning.same_load * self.mass_kg {
-            let any_load = tuning.any_load_scale_sigma;
-            step(Scale, &self.scale, keep_scale, Some(any_load));
+        let Prior {
+            kept_bias: keep_bias,
+            kept_scale: keep,
+            ..
+        } = context.tuning.prior;
+        step(Bias, &self.bias, keep_bias);
+        step(TyreSlip, &self.tyre_slip, keep);
+        step(Retarder, &self.retarder, keep);
+        let keep_scale = self.kept_scale(context, sample);
+        if keep_scale > 0.0 {
+            step(Scale, &self.scale, keep_scale);
             let joint = keep_bias * keep_scale * self.covariance;
             fresh.covariance.add(Bias, Scale, S::from_f32(joint));
         }
@@ -105,7 +121,7 @@ pub fn initial_state<S: Scalar>(
     state.covariance.add(Bias, Bias, S::from_f32(bias));
     state.covariance.add(Scale, Scale, S::from_f32(scale));
     if let Some(known) = known {
-        known.carry_over(&mut state, sample.forces.mass_kg, &context.tuning.prior);
+        known.carry_over(&mut state, context, sample);
     }
     // Tyres are cold again, whatever the last drive found.
     let cold = 100.0 * numbers.prior_cold_tyre * context.model.vehicle.rolling_resistance;

@@ -1,9 +1,11 @@
 //! How samples become cells: the force balance, and the base variances of its parts.
 
-use super::body_sensor::BodySensor;
+use super::body_sensor::{BodySensor, NOTICED_CELLS};
 use super::cell_input::{CellInput, Marks, Reading};
+use super::doubt_behind::{DoubtBehind, walk_n};
 use super::effect_uncertainty::EffectUncertainty;
 use super::late_traction::{Lack, LateTraction};
+use super::slow_states::SlowStates;
 use crate::cell::CELL_LENGTH_M;
 use crate::context::Context;
 use crate::sample::{AltitudeContinuity, Sample, SlopeSensor};
@@ -16,6 +18,9 @@ use crate::vehicle::{GRAVITY, Traction};
 pub struct VehicleCells {
     effects: EffectUncertainty,
     has_begun: bool,
+    by_accelerometer: bool,
+    /// That of force and accelerometer, where it begins.
+    contradiction: Option<DoubtBehind>,
     energy_before: f32,
     net_traction_percent: f32,
     retarder_percent: f32,
@@ -40,6 +45,8 @@ impl VehicleCells {
         Self {
             effects: EffectUncertainty::new(),
             has_begun: false,
+            by_accelerometer: false,
+            contradiction: None,
             energy_before: 0.0,
             net_traction_percent: 0.0,
             retarder_percent: 0.0,
@@ -58,22 +65,31 @@ impl VehicleCells {
         self.origin_m
     }
 
-    /// Returns the cell of a sample; `None` before the first speed.
+    /// Returns what the last cell says of those before it.
+    #[must_use]
+    pub fn doubt_behind(&self, numbers: &Numbers, sample: &Sample) -> Option<DoubtBehind> {
+        DoubtBehind::of_rest(numbers, sample).or(self.contradiction)
+    }
+
+    /// Returns the cell of a sample; `None` before the first speed. `known` is what an earlier drive has
+    /// left.
     pub fn next(
         &mut self,
         numbers: &Numbers,
         context: &Context,
         sample: &Sample,
+        known: Option<&SlowStates>,
     ) -> Option<CellInput> {
         let begins = !self.has_begun;
         if begins && sample.speed.is_none() {
             return None;
         }
         self.has_begun = true;
+        self.contradiction = None;
         let gap = begins || sample.gap_cells > 0;
         let effects = self.effects.advance(context, sample);
         let forces = &Forces::new(numbers, context, sample);
-        let marks = forces.marks(begins, gap);
+        let marks = forces.marks(gap);
         let mps = sample.end.speed_mps;
         let energy = 0.5 * mps * mps;
         let energies = (core::mem::replace(&mut self.energy_before, energy), energy);
@@ -131,6 +147,7 @@ impl VehicleCells {
             force_variance,
             fixed_force_variance,
             bias_variance: forces.bias_variance(),
+            load_variance: forces.load_variance(begins, known),
             effect_variance: effects.bias_variance + forces.cold_tyres_variance(),
             wind_variance: forces.wind_variance(),
             energy: speed(numbers, sample),
@@ -144,6 +161,9 @@ impl VehicleCells {
         if !gap {
             self.use_body_sensors(numbers, sample, energies, &mut cell);
         }
+        // What is wrong with the one says nothing of the other.
+        cell.marks.rest_begins = cell.marks.by_accelerometer != self.by_accelerometer;
+        self.by_accelerometer = cell.marks.by_accelerometer;
         Some(cell)
     }
 
@@ -186,10 +206,15 @@ impl VehicleCells {
             if let Some(specific_percent) = specific_percent {
                 let slope_percent = specific_percent - gained_percent;
                 let sensor = &mut self.accelerometer;
+                let disagreed = sensor.disagrees() > 0.0;
                 sensor.compare(numbers, slope_percent, model_percent);
                 // One of the two is wrong: the force is in doubt.
                 let doubt = sensor.disagrees() / numbers.rest_doubt;
                 cell.rest_percent = Scalar::max(cell.rest_percent, doubt);
+                self.contradiction = (doubt > 0.0 && !disagreed).then(|| DoubtBehind {
+                    duration_s: NOTICED_CELLS * cell.duration_s,
+                    percent: doubt,
+                });
             }
             if let Some(pitch_percent) = pitch_percent {
                 self.pitch.compare(numbers, pitch_percent, model_percent);
@@ -256,55 +281,6 @@ impl VehicleCells {
     }
 }
 
-/// A rest of the torque that ended in a cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EndedRest {
-    /// Its duration, s.
-    pub duration_s: f32,
-    /// Sigma of the force meanwhile, as a slope, %.
-    pub percent: f32,
-}
-
-impl EndedRest {
-    /// Returns the rest that ended in the cell of a sample; `None` if none did, or if the torque rested
-    /// at a limit, where it was known.
-    #[must_use]
-    pub fn of(numbers: &Numbers, sample: &Sample) -> Option<Self> {
-        let rest = &sample.torque_rest;
-        if rest.ended_s <= 0.0 || rest.ended_at_limit {
-            return None;
-        }
-        let walk_n = walk_n(numbers, rest.ended_s, rest.per_percent_n);
-        let sigma_n = Scalar::sqrt(square(rest.jump_n) + square(walk_n));
-        Some(Self {
-            duration_s: rest.ended_s,
-            percent: 100.0 * sigma_n / sample.forces.weight_n(),
-        })
-    }
-
-    /// Marks the cells over which the torque rested, of which the newest one is the last.
-    pub fn mark(&self, cells: &mut [CellInput]) {
-        let mut left_s = self.duration_s;
-        for cell in cells.iter_mut().rev() {
-            cell.rest_percent = Scalar::max(cell.rest_percent, self.percent);
-            left_s -= cell.duration_s;
-            if left_s < 0.0 {
-                cell.marks.rest_begins = true;
-                return;
-            }
-        }
-    }
-}
-
-/// Returns by how much a torque may be off that is not renewed, N.
-fn walk_n(numbers: &Numbers, rest_s: f32, per_percent_n: f32) -> f32 {
-    if rest_s > numbers.rest_long_s {
-        numbers.rest_walk_percent * Scalar::sqrt(rest_s) * per_percent_n
-    } else {
-        0.0
-    }
-}
-
 /// The forces of a cell, as slopes.
 struct Forces<'a> {
     numbers: &'a Numbers,
@@ -330,10 +306,8 @@ impl<'a> Forces<'a> {
         100.0 * force_n / self.weight_n
     }
 
-    fn marks(&self, begins: bool, gap: bool) -> Marks {
+    fn marks(&self, gap: bool) -> Marks {
         let sample = self.sample;
-        // A file is for one load of many.
-        let is_told = sample.mass_is_reported || self.context.model.effects.mass_variance() > 0.0;
         let condition = sample.end.condition;
         let continuity = sample.altitude.map(|altitude| altitude.continuity);
         let traction_percent = self.percent(sample.forces.traction_n);
@@ -344,8 +318,6 @@ impl<'a> Forces<'a> {
             slope_is_read: false,
             by_accelerometer: false,
             rest_begins: false,
-            load_stop: sample.after_stop || sample.after_load_change || (begins && !is_told),
-            mass_told: is_told,
             gap,
             receiver_switched: continuity
                 .is_some_and(|continuity| continuity != AltitudeContinuity::Followed),
@@ -400,6 +372,27 @@ impl<'a> Forces<'a> {
     }
 
     /// Tyres are cold again after a long stop.
+    /// Returns the variance of a load change before the cell. A file is for one load of many.
+    fn load_variance(&self, begins: bool, known: Option<&SlowStates>) -> f32 {
+        let (sample, numbers) = (self.sample, self.numbers);
+        let is_told = sample.mass_is_reported || self.context.model.effects.mass_variance() > 0.0;
+        let any = square(numbers.any_load);
+        if begins {
+            let kept = known.map_or(0.0, |known| known.kept_scale(self.context, sample));
+            if is_told {
+                0.0
+            } else {
+                any * (1.0 - square(kept))
+            }
+        } else if !sample.after_stop && !sample.after_load_change {
+            0.0
+        } else if is_told {
+            square(numbers.load_told)
+        } else {
+            any
+        }
+    }
+
     fn cold_tyres_variance(&self) -> f32 {
         if self.sample.after_load_change {
             let rolling = 100.0 * self.context.model.vehicle.rolling_resistance;

@@ -100,25 +100,12 @@ impl<'n> CellModel<'n> {
             of[Noise::Bias as usize] += segment.bias_shock;
             of[Noise::Kink as usize] = segment.kink;
         }
-        let most = if cell.marks.gap {
-            // The file's load is the likely one. Another one shows behind the window.
-            numbers.prior_scale
-        } else if cell.marks.mass_told {
-            numbers.load_told
-        } else {
-            f32::INFINITY
-        };
-        let load = if cell.marks.load_stop {
-            Scalar::min(segment.load, square(most))
-        } else {
-            0.0
-        };
         CellTerms {
             dynamics,
             base: base.map(S::from_f32),
             noise: CellNoise {
                 of: of.map(S::from_f32),
-                load: S::from_f32(load),
+                load: S::from_f32(Scalar::min(segment.load, cell.load_variance)),
                 speed: S::from_f32(cell.energy.variance * levels.speed),
                 altitude: S::from_f32(
                     cell.altitude.variance * levels.altitude / own.altitude_weight,

@@ -49,7 +49,9 @@ impl DoubtFinder {
         if begins {
             self.since_step = 0;
         }
-        let steps = is_on && self.since_step.is_multiple_of(STEP_CELLS);
+        // The offset of an accelerometer lasts as long as it stands in.
+        let lasts = cell.marks.by_accelerometer && !begins;
+        let steps = is_on && !lasts && self.since_step.is_multiple_of(STEP_CELLS);
         self.since_step = (self.since_step + 1) % STEP_CELLS;
         let of = |applies: bool, percent: f32| if applies { percent * percent } else { 0.0 };
         let scale = of(overruns, numbers.overrun_doubt_percent)

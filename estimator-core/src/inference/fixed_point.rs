@@ -87,9 +87,8 @@ impl FixedPoint {
             let score = &found.of[Noise::Doubt as usize];
             own.doubt = shock(numbers.doubt_shape, step_percent, own.doubt, score);
         }
-        if cell.marks.load_stop {
-            let (shape, scale) = (numbers.load_shock_shape, numbers.load_shock);
-            segment.load = shock(shape, scale, terms.noise.load.to_f32(), &found.load);
+        if cell.load_variance > 0.0 {
+            segment.load = load_change(numbers, terms.noise.load.to_f32(), &found.load);
         }
         if passed.begins_segment {
             self.infer_segment(numbers, passed);
@@ -289,4 +288,17 @@ fn shock<S: Scalar>(shape: f32, scale: f32, variance: f32, score: &Score<S>) -> 
     let sum = variance * score.sum.to_f32();
     let determined = variance * Scalar::max(score.information.to_f32(), 0.0);
     (shape * scale * scale + 0.5 * sum * sum) / (shape + 0.5 + 0.5 * determined)
+}
+
+/// Returns the next variance of a load change: as far from the last one as the data determine it. Until
+/// hills tell the load, it may be any.
+fn load_change<S: Scalar>(numbers: &Numbers, variance: f32, score: &Score<S>) -> f32 {
+    let next = shock(
+        numbers.load_shock_shape,
+        numbers.load_shock,
+        variance,
+        score,
+    );
+    let determined = variance * Scalar::max(score.information.to_f32(), 0.0);
+    variance + determined / (1.0 + determined) * (next - variance)
 }

@@ -7,8 +7,7 @@ use super::window::{
     LiveSlope, Slope, UPDATE_CELLS, Window, is_undecided, of_doubtful_force, timing_variance,
 };
 use crate::cell::{CELL_LENGTH_M, Disagreement};
-use crate::filter::vehicle_cells::EndedRest;
-use crate::filter::{CellInput, Quantity, State};
+use crate::filter::{CellInput, DoubtBehind, Quantity, State};
 use crate::scalar::Scalar;
 use crate::tuning::Numbers;
 
@@ -22,7 +21,7 @@ impl<S: Scalar> Window<S> {
         &mut self,
         numbers: &Numbers,
         cell: &CellInput,
-        rest: Option<&EndedRest>,
+        doubt_behind: Option<&DoubtBehind>,
         prior: impl FnOnce() -> State<S>,
     ) -> LiveSlope {
         if !self.has_begun {
@@ -42,8 +41,8 @@ impl<S: Scalar> Window<S> {
         // There is room: an update makes it.
         let _ = self.cells.push(*cell);
         let _ = self.adopted.own.push(own);
-        if let Some(rest) = rest {
-            rest.mark(&mut self.cells);
+        if let Some(doubt) = doubt_behind {
+            doubt.mark(&mut self.cells);
         }
         let live = self.step_live(numbers, cell, index);
         if self.cells.len().is_multiple_of(UPDATE_CELLS) {

@@ -57,19 +57,17 @@ impl<S: Scalar> PastSteps<S> {
             candidate.score.sum += score.sum;
             candidate.score.information += score.information;
         }
-        if cell.marks.load_stop {
+        if cell.load_variance > 0.0 {
             let mut response = [S::ZERO; STATES];
             response[Scale as usize] = S::ONE;
-            response[Slope as usize] = -record.net_traction_before;
+            if !cell.marks.gap {
+                // The slope of the road stays.
+                response[Slope as usize] = -record.net_traction_before;
+            }
             let score = record.score_error(cell, dynamics, &mut response);
-            let most = if cell.marks.mass_told {
-                numbers.load_told
-            } else {
-                numbers.load_shock_start
-            };
             self.add(Candidate {
                 is_load: true,
-                most,
+                most: Scalar::sqrt(cell.load_variance),
                 response,
                 score,
             });

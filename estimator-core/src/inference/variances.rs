@@ -12,7 +12,7 @@ pub struct SegmentVariances {
     pub bias_shock: f32,
     /// Of a kink of the road at its start, %².
     pub kink: f32,
-    /// Of a load change at a stop in it, 1.
+    /// Of a load change in it, 1. A cell says how large it is at most.
     pub load: f32,
     /// Multiplier of the road's noise.
     pub road: f32,
@@ -28,7 +28,7 @@ impl SegmentVariances {
         Self {
             bias_shock: shock,
             kink: shock,
-            load: numbers.load_shock_start * numbers.load_shock_start,
+            load: f32::INFINITY,
             road: multiplier,
             slow_gnss: multiplier,
         }

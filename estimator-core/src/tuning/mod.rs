@@ -79,7 +79,7 @@ tuning! {
         rest_least_percent: f32 = 0.02, 2e-04..=2e+00, "%", "force of a rest from which on it is in doubt, as a slope", "below the noise of a cell";
         load_shock: f32 = 0.03, 3e-04..=3e+00, "1", "scale of the prior of a load change at a stop", "most stops change nothing";
         load_shock_shape: f32 = 0.5, 5e-03..=5e+01, "1", "shape of that prior", "one degree of freedom";
-        load_shock_start: f32 = 0.8, 8e-03..=8e+01, "1", "sigma of a load change at the first round", "empty to full";
+        any_load: f32 = 0.5, 5e-03..=5e+01, "1", "sigma of a load change that nothing reports, before the data say more", "a file for half a load: full and empty are 0.6 and 2 times its scale";
         load_told: f32 = 0.3, 1e-3..=1e1, "1", "sigma of a load change at most where the mass is reported", "reports lack some changes; empty to full is rare then";
         altitude_freedom: f32 = 4.0, 4e-02..=4e+02, "1", "degrees of freedom of the noise of a fix", "usual for outliers (Lange, Little and Taylor 1989)";
         slow_gnss_freedom: f32 = 3.0, 3e-02..=3e+02, "1", "degrees of freedom of the slow GNSS error, a segment", "2 and 4 change errors by 1 %";
@@ -127,7 +127,6 @@ tuning! {
         torque_sigma: f32 = 0.04, 0.0..=1.0, "1", "error of the engine torque as a part of it, 1 sigma: it is in the sigma of the mass", "engine torque is right within 4 %, 1 sigma";
         kept_bias: f32 = 0.35, 0.0..=1.0, "1", "part of the bias that belongs to the vehicle and is kept for the next drive", "drag area and shape outlast a trip, weather and tyre temperature do not: 0.3 (12 t) to 0.4 (39 t) of the variance";
         kept_scale: f32 = 0.9, 0.0..=1.0, "1", "part of the scale that is kept for the next drive with the same mass", "regular hauls are the rule: one unreported change of load in ten drives";
-        any_load_scale_sigma: f32 = 0.25, 1e-4..=5.0, "1", "scale of a vehicle whose load may be any, 1 sigma", "30 % more load make 0.23";
         same_load: f32 = 0.05, 0.0..=1.0, "1", "largest relative change of the mass that is the same load", "scatter of axle loads";
         kept_level_cells: f32 = 100.0, 0.0..=1e6, "cells", "determined cells that the levels of the last drive count for", "a quarter of a kilometre of this drive weighs as much";
     }

@@ -8,8 +8,8 @@ use std::iter::from_fn;
 use test_kit::{Noise, altitude, sample, speed, truck};
 
 const CELLS: u32 = 6_000;
-/// Cells in which the force is unknown: 30 m in each 500 m.
-const UNKNOWN: std::ops::Range<u32> = 100..112;
+/// Cells in which the force is unknown: 100 m in each 500 m.
+const UNKNOWN: std::ops::Range<u32> = 100..140;
 
 /// Returns the slope of hills of 1 km and 3 % in the middle of a cell, and the altitude at its end, m.
 fn hill(cell: u32) -> (f32, f32) {
@@ -76,7 +76,7 @@ fn slope_of(sensor: SlopeSensor, slope_percent: f32) -> Option<SlopeMeasurement>
 fn an_accelerometer_stands_in_where_the_force_is_unknown() {
     let [_, without, _] = drive(|_, _, _| ());
     let [known, with, marked] = drive(|_, slope, sample| sample.inertial = accelerometer(slope));
-    assert!(with < 0.6 * without, "{with} % with, {without} % without");
+    assert!(with < 0.75 * without, "{with} % with, {without} % without");
     assert!(with < 2.0 * known + 0.02, "{with} %, {known} % elsewhere");
     assert!(marked < 0.01, "{marked}");
 }

@@ -16,6 +16,7 @@ pub const LEVEL: CellInput = CellInput {
     retarder_step_percent: 0.0,
     force_variance: 0.004,
     fixed_force_variance: 0.0,
+    load_variance: 0.0,
     bias_variance: 0.02,
     effect_variance: 0.0,
     wind_variance: 0.003,
@@ -33,10 +34,8 @@ pub const LEVEL: CellInput = CellInput {
         invalid: false,
         slope_is_read: false,
         by_accelerometer: false,
-        mass_told: false,
         overrun: false,
         rest_begins: false,
-        load_stop: false,
         gap: false,
         receiver_switched: false,
         crawling: false,
@@ -78,7 +77,7 @@ pub fn any_cell() -> impl Strategy<Value = CellInput> {
     (forces, readings, marks).prop_map(|(forces, readings, marks)| {
         let (work, net, jump, retarder, retarder_step) = forces;
         let (energy, altitude, has_energy, has_altitude) = readings;
-        let (invalid, load_stop, rare) = marks;
+        let (invalid, may_load, rare) = marks;
         let or_none = |is_some: bool, reading| if is_some { reading } else { Reading::NONE };
         CellInput {
             work,
@@ -86,6 +85,7 @@ pub fn any_cell() -> impl Strategy<Value = CellInput> {
             traction_jump_percent: if rare < 3 { jump } else { 0.0 },
             retarder_percent: if rare < 6 { retarder } else { 0.0 },
             retarder_step_percent: if rare < 6 { retarder_step } else { 0.0 },
+            load_variance: if may_load && rare == 0 { 0.6 } else { 0.0 },
             energy: or_none(
                 has_energy,
                 Reading {
@@ -96,7 +96,6 @@ pub fn any_cell() -> impl Strategy<Value = CellInput> {
             altitude: or_none(has_altitude, fix(altitude)),
             marks: Marks {
                 invalid,
-                load_stop: load_stop && rare == 0,
                 ..Marks::default()
             },
             ..LEVEL

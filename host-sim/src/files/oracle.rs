@@ -230,7 +230,7 @@ impl OracleFile {
         numbers.prior_tyre_slip = 0.0;
         // The load does not change, nothing steps, and the levels of the noise are known.
         numbers.load_shock = least::SCALE;
-        numbers.load_shock_start = least::SCALE;
+        numbers.any_load = least::SCALE;
         numbers.bias_shock_most_percent = 0.0;
         numbers.inertia_noise = 0.0;
         numbers.timing_s = 0.0;

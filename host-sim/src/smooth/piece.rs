@@ -2,7 +2,6 @@
 
 use super::inferred::Inferred;
 use super::smoothed_cell::SmoothedCell;
-use estimator_core::filter::vehicle_cells::EndedRest;
 use estimator_core::filter::{
     CellInput, ModelMass, Moments, Quantity, SlowStates, State, VehicleCells, initial_state,
 };
@@ -41,7 +40,7 @@ impl Piece {
         is_own: bool,
     ) {
         let numbers = &context.tuning.estimation;
-        let Some(mut cell) = maker.next(numbers, context, sample) else {
+        let Some(mut cell) = maker.next(numbers, context, sample, known) else {
             return;
         };
         // What is before the piece is not known in it.
@@ -59,8 +58,8 @@ impl Piece {
         for end in self.ends.iter_mut().rev().take(noticed_late) {
             end.signals = end.signals.or(sample.disagreement);
         }
-        if let Some(rest) = EndedRest::of(numbers, sample) {
-            rest.mark(&mut self.cells);
+        if let Some(doubt) = maker.doubt_behind(numbers, sample) {
+            doubt.mark(&mut self.cells);
         }
     }
 
