@@ -372,25 +372,16 @@ impl<'a> Forces<'a> {
     }
 
     /// Tyres are cold again after a long stop.
-    /// Returns the variance of a load change before the cell. A file is for one load of many.
+    /// Returns the variance of a load change before the cell. A file is for one load of many, and so are
+    /// some reports.
     fn load_variance(&self, begins: bool, known: Option<&SlowStates>) -> f32 {
         let (sample, numbers) = (self.sample, self.numbers);
-        let is_told = sample.mass_is_reported || self.context.model.effects.mass_variance() > 0.0;
-        let any = square(numbers.any_load);
-        if begins {
-            let kept = known.map_or(0.0, |known| known.kept_scale(self.context, sample));
-            if is_told {
-                0.0
-            } else {
-                any * (1.0 - square(kept))
-            }
-        } else if !sample.after_stop && !sample.after_load_change {
-            0.0
-        } else if is_told {
-            square(numbers.load_told)
-        } else {
-            any
+        if !begins && !sample.after_stop && !sample.after_load_change {
+            return 0.0;
         }
+        let known = known.filter(|_| begins);
+        let kept = known.map_or(0.0, |known| known.kept_scale(self.context, sample));
+        square(numbers.any_load) * (1.0 - square(kept))
     }
 
     fn cold_tyres_variance(&self) -> f32 {

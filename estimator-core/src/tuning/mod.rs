@@ -56,7 +56,7 @@ tuning! {
         launch_mps2: f32 = 0.2, 2e-03..=2e+01, "m/s²", "acceleration from which on it launches", "cruise controls answer roads with less";
         prior_slope_percent: f32 = 3.0, 3e-02..=3e+02, "%", "slope where a drive begins, 1 sigma", "trunk roads";
         prior_altitude_m: f32 = 100.0, 1e+00..=1e+04, "m", "altitude before the first fix, 1 sigma", "far beyond the error of a receiver";
-        prior_scale: f32 = 0.1, 1e-03..=1e+01, "1", "scale error at the start, 1 sigma", "mass known to 8 %, torque to 5 %";
+        prior_scale: f32 = 0.1, 1e-03..=1e+01, "1", "scale error at the start besides the load, 1 sigma", "torque and gears known to 10 %";
         prior_cold_tyre: f32 = 0.5, 5e-03..=5e+01, "1", "what cold tyres add, as a fraction of rolling resistance, 1 sigma", "reference/literature: 20 to 60 % at the start";
         prior_tyre_slip: f32 = 0.02, 2e-04..=2e+00, "1", "slip over traction per weight, 1 sigma", "tyres: 0.1 to 0.4. Drivers answer the road, so evidence counts for a fiftieth: a prior that is 7 times tighter";
         prior_retarder: f32 = 0.4, 4e-03..=4e+01, "1", "error of the retarder's reference torque, 1 sigma", "retarders of 2000 to 4700 Nm on engines of 1850 to 3150 Nm";
@@ -79,8 +79,7 @@ tuning! {
         rest_least_percent: f32 = 0.02, 2e-04..=2e+00, "%", "force of a rest from which on it is in doubt, as a slope", "below the noise of a cell";
         load_shock: f32 = 0.03, 3e-04..=3e+00, "1", "scale of the prior of a load change at a stop", "most stops change nothing";
         load_shock_shape: f32 = 0.5, 5e-03..=5e+01, "1", "shape of that prior", "one degree of freedom";
-        any_load: f32 = 0.5, 5e-03..=5e+01, "1", "sigma of a load change that nothing reports, before the data say more", "a file for half a load: full and empty are 0.6 and 2 times its scale";
-        load_told: f32 = 0.3, 1e-3..=1e1, "1", "sigma of a load change at most where the mass is reported", "reports lack some changes; empty to full is rare then";
+        any_load: f32 = 0.5, 5e-03..=5e+01, "1", "sigma of the load of a drive, and of its change at a stop, before the data say more", "a file for half a load: full and empty are 0.6 and 2 times its scale";
         altitude_freedom: f32 = 4.0, 4e-02..=4e+02, "1", "degrees of freedom of the noise of a fix", "usual for outliers (Lange, Little and Taylor 1989)";
         slow_gnss_freedom: f32 = 3.0, 3e-02..=3e+02, "1", "degrees of freedom of the slow GNSS error, a segment", "2 and 4 change errors by 1 %";
         slow_gnss_most: f32 = 1000.0, 1e+01..=1e+05, "1", "largest multiplier of it", "steps of 20 m";

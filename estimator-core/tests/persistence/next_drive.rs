@@ -87,9 +87,8 @@ fn another_reported_mass_leaves_the_scale_as_at_a_first_drive() {
     let unweighed = first_cells(restored(), None);
     let difference = weighed_again.scale.value - unweighed.scale.value;
     assert!(difference.abs() < 1e-3, "{difference}");
-    // A reported mass leaves no load open.
-    assert!((0.04..0.15).contains(&weighed_again.scale.sigma));
-    assert!(weighed_again.scale.sigma < 0.7 * unweighed.scale.sigma);
+    // Reports are wrong now and then: the load stays open.
+    assert!((weighed_again.scale.sigma / unweighed.scale.sigma - 1.0).abs() < 0.05);
 
     // Learned with a mass from the bus, which reports the same mass again.
     let reported = BusSignals {
@@ -107,10 +106,10 @@ fn another_reported_mass_leaves_the_scale_as_at_a_first_drive() {
 
 #[test]
 fn a_reported_mass_is_part_of_the_live_mass() {
-    // 20,000 kg within 10 % by the scale, within 5 % by the report.
+    // 20,000 kg within a half by the scale, within 5 % by the report.
     let reported = first_cells(fresh(), Some(20_000.0)).mass_kg;
     assert!((reported.value - 20_000.0).abs() < 20.0, "{reported:?}");
-    assert!((reported.sigma - 894.0).abs() < 10.0, "{reported:?}");
+    assert!((reported.sigma - 995.0).abs() < 10.0, "{reported:?}");
     // A file is for one load of many: the sigma is that of any load.
     let parameter = first_cells(fresh(), None).mass_kg;
     assert!((parameter.value - 39_000.0).abs() < 40.0, "{parameter:?}");

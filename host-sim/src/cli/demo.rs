@@ -19,6 +19,7 @@ use crate::simulator::{files_of, write_runs};
 use crate::source::read_options::ReadOptions;
 use crate::terminal::print::{note, print};
 use estimator_core::Tuning;
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// Folder, and name in the table, of the map that is made without vehicle files.
@@ -66,6 +67,7 @@ pub fn run(args: &Args) -> Result<()> {
     note("2  estimate each drive from its bus log");
     let road = TrueRoad::read(out)?;
     let drives = (0..scenario.runs.len())
+        .into_par_iter()
         .map(|index| drive(&scenario, index, &tuning, &road, out))
         .collect::<Result<Vec<_>>>()?;
     note("3  fuse the runs into a map");

@@ -233,7 +233,6 @@ impl OracleFile {
         numbers.any_load = least::SCALE;
         numbers.bias_shock_most_percent = 0.0;
         numbers.inertia_noise = 0.0;
-        numbers.timing_s = 0.0;
         for level in [
             &mut numbers.wind_level_low,
             &mut numbers.wind_level_high,

@@ -142,7 +142,7 @@ fn a_load_that_changed_unnoticed_is_allowed_for() {
         println!("{truck} {without:.3?} {with:.3?}");
         for (without, with) in without.iter().zip(&with) {
             assert!(with[1] <= 1.5, "{truck}: {without:?} {with:?}");
-            assert!(with[0] < 1.05 * without[0], "{truck}: {without:?} {with:?}");
+            assert!(with[0] < 1.15 * without[0], "{truck}: {without:?} {with:?}");
         }
         // Unloaded: an error of scale of 0.43, which neither prior allows for. The result must not
         // be worse than without the persistent state.
@@ -283,7 +283,7 @@ fn an_unusable_file_is_refused_by_name_and_nothing_changes() {
     refused("two", b"time_s,distance_m\n", "not a persistent state");
     let mut later = left.clone();
     later[4] = 4;
-    refused("two", &later, "version 4: expected 2");
+    refused("two", &later, "version 4: expected 3");
     refused("other", &left, "another vehicle");
 
     let vehicle = folder.join("two.vehicle.toml");
