@@ -100,6 +100,8 @@ pub struct Marks {
     pub overrun: bool,
     /// A rest of the torque begins in this cell.
     pub rest_begins: bool,
+    /// A change of the load would be one that its report lacks.
+    pub load_told: bool,
     /// The cell does not follow the last one.
     pub gap: bool,
     /// Another receiver gives the altitude from here on.

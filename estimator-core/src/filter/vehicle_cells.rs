@@ -318,6 +318,7 @@ impl<'a> Forces<'a> {
             slope_is_read: false,
             by_accelerometer: false,
             rest_begins: false,
+            load_told: self.mass_is_told() && !gap,
             gap,
             receiver_switched: continuity
                 .is_some_and(|continuity| continuity != AltitudeContinuity::Followed),
@@ -373,15 +374,24 @@ impl<'a> Forces<'a> {
 
     /// Tyres are cold again after a long stop.
     /// Returns the variance of a load change before the cell. A file is for one load of many, and so are
-    /// some reports.
+    /// some reports; but reports rarely lack a change.
     fn load_variance(&self, begins: bool, known: Option<&SlowStates>) -> f32 {
         let (sample, numbers) = (self.sample, self.numbers);
-        if !begins && !sample.after_stop && !sample.after_load_change {
-            return 0.0;
+        let any = square(numbers.any_load);
+        if begins {
+            let kept = known.map_or(0.0, |known| known.kept_scale(self.context, sample));
+            any * (1.0 - square(kept))
+        } else if !sample.after_stop && !sample.after_load_change {
+            0.0
+        } else if self.mass_is_told() {
+            square(numbers.load_told)
+        } else {
+            any
         }
-        let known = known.filter(|_| begins);
-        let kept = known.map_or(0.0, |known| known.kept_scale(self.context, sample));
-        square(numbers.any_load) * (1.0 - square(kept))
+    }
+
+    fn mass_is_told(&self) -> bool {
+        self.sample.mass_is_reported || self.context.model.effects.mass_variance() > 0.0
     }
 
     fn cold_tyres_variance(&self) -> f32 {

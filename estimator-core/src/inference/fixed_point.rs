@@ -88,7 +88,7 @@ impl FixedPoint {
             own.doubt = shock(numbers.doubt_shape, step_percent, own.doubt, score);
         }
         if cell.load_variance > 0.0 {
-            segment.load = load_change(numbers, terms.noise.load.to_f32(), &found.load);
+            segment.load = load_change(numbers, cell, terms.noise.load.to_f32(), &found.load);
         }
         if passed.begins_segment {
             self.infer_segment(numbers, passed);
@@ -292,13 +292,21 @@ fn shock<S: Scalar>(shape: f32, scale: f32, variance: f32, score: &Score<S>) -> 
 
 /// Returns the next variance of a load change: as far from the last one as the data determine it. Until
 /// hills tell the load, it may be any.
-fn load_change<S: Scalar>(numbers: &Numbers, variance: f32, score: &Score<S>) -> f32 {
+fn load_change<S: Scalar>(
+    numbers: &Numbers,
+    cell: &CellInput,
+    variance: f32,
+    score: &Score<S>,
+) -> f32 {
     let next = shock(
         numbers.load_shock_shape,
         numbers.load_shock,
         variance,
         score,
     );
+    if cell.marks.load_told {
+        return next;
+    }
     let determined = variance * Scalar::max(score.information.to_f32(), 0.0);
     variance + determined / (1.0 + determined) * (next - variance)
 }

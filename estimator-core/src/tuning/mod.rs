@@ -80,6 +80,7 @@ tuning! {
         load_shock: f32 = 0.03, 3e-04..=3e+00, "1", "scale of the prior of a load change at a stop", "most stops change nothing";
         load_shock_shape: f32 = 0.5, 5e-03..=5e+01, "1", "shape of that prior", "one degree of freedom";
         any_load: f32 = 0.5, 5e-03..=5e+01, "1", "sigma of the load of a drive, and of its change at a stop, before the data say more", "a file for half a load: full and empty are 0.6 and 2 times its scale";
+        load_told: f32 = 0.3, 1e-3..=1e1, "1", "sigma of a load change at most where the mass is reported", "reports lack some changes; empty to full is rare then";
         altitude_freedom: f32 = 4.0, 4e-02..=4e+02, "1", "degrees of freedom of the noise of a fix", "usual for outliers (Lange, Little and Taylor 1989)";
         slow_gnss_freedom: f32 = 3.0, 3e-02..=3e+02, "1", "degrees of freedom of the slow GNSS error, a segment", "2 and 4 change errors by 1 %";
         slow_gnss_most: f32 = 1000.0, 1e+01..=1e+05, "1", "largest multiplier of it", "steps of 20 m";

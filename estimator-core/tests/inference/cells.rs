@@ -36,6 +36,7 @@ pub const LEVEL: CellInput = CellInput {
         by_accelerometer: false,
         overrun: false,
         rest_begins: false,
+        load_told: false,
         gap: false,
         receiver_switched: false,
         crawling: false,

@@ -49,7 +49,7 @@ const MOST_STACK_BYTES: u32 = 4_000;
 /// Measured instructions, and the call that each was measured of.
 const MEASURED_INSTRUCTIONS: [(&str, &str); 5] = [
     ("relevant_frame_worst", "on_frame"),
-    ("cell_worst", "step"),
+    ("step_worst", "step"),
     ("drain_worst", "drain_step"),
     ("live_worst", "live"),
     ("persistent_state", "persistent_state"),

@@ -6,6 +6,7 @@ use super::estimate::Estimate;
 use super::run::run;
 use super::window_means::WindowMeans;
 use crate::image::measured_mission;
+use estimator_core::Tuning;
 use host_sim::error::{Error, Result};
 use host_sim::files::run::RunRow;
 use host_sim::map::{GradeMap, Network, RoadLine, SessionRun, road_of_run};
@@ -20,13 +21,13 @@ const WINDOW_M: f64 = 600.0;
 ///
 /// # Errors
 /// Returns an error if the mission cannot be read, or a pass has no positions.
-pub fn judge() -> Result<Errors> {
+pub fn judge(tuning: &Tuning) -> Result<Errors> {
     let path = measured_mission();
     let mission = Mission::read(&path)?;
     let passes = mission.passes();
     let runs = passes
         .par_iter()
-        .map(|pass| estimated(&mission, pass, &path));
+        .map(|pass| estimated(&mission, pass, tuning, &path));
     let runs: Vec<Vec<RunRow>> = runs.collect::<Result<_>>()?;
     let mut roads = Vec::new();
     for direction in [PassDirection::Outbound, PassDirection::Inbound] {
@@ -43,11 +44,16 @@ pub fn judge() -> Result<Errors> {
     }))
 }
 
-fn estimated(mission: &Mission, pass: &Pass, path: &Path) -> Result<Vec<RunRow>> {
+fn estimated(mission: &Mission, pass: &Pass, tuning: &Tuning, path: &Path) -> Result<Vec<RunRow>> {
     let scratch = tempfile::tempdir().map_err(Error::io(path))?;
     let table = scratch.path().join("pass.csv");
     mission.write_pass(&table, pass)?;
-    run(&table, &mission.vehicle().model, &ReadOptions::default())
+    run(
+        &table,
+        &mission.vehicle().model,
+        tuning,
+        &ReadOptions::default(),
+    )
 }
 
 /// Returns the road of the first run.

@@ -6,7 +6,7 @@ use super::estimate::Estimate;
 use super::run::run;
 use super::window_means::WindowMeans;
 use crate::image::measured_data;
-use estimator_core::Signal;
+use estimator_core::{Signal, Tuning};
 use host_sim::error::{Error, Result};
 use host_sim::files::run::RunRow;
 use host_sim::inertial_judge::{InertialProfile, Window, windows_of};
@@ -36,8 +36,8 @@ pub fn folder() -> PathBuf {
 ///
 /// # Errors
 /// Returns an error if the trip cannot be read, or its accelerometer judges no window.
-pub fn judge(path: &Path) -> Result<Errors> {
-    let judged = judge_if_possible(path)?;
+pub fn judge(path: &Path, tuning: &Tuning) -> Result<Errors> {
+    let judged = judge_if_possible(path, tuning)?;
     judged.ok_or_else(|| Error::content(path, "no window with an accelerometer; expected some"))
 }
 
@@ -46,7 +46,7 @@ pub fn judge(path: &Path) -> Result<Errors> {
 ///
 /// # Errors
 /// Returns an error if a trip cannot be read.
-pub fn judge_all() -> Result<[Errors; 2]> {
+pub fn judge_all(tuning: &Tuning) -> Result<[Errors; 2]> {
     let folder = folder();
     let entries = fs::read_dir(&folder).map_err(Error::io(&folder))?;
     let mut files: Vec<PathBuf> = entries
@@ -56,7 +56,7 @@ pub fn judge_all() -> Result<[Errors; 2]> {
     files.sort();
     let trips: Vec<_> = files
         .par_iter()
-        .filter_map(|path| judge_if_possible(path).transpose())
+        .filter_map(|path| judge_if_possible(path, tuning).transpose())
         .collect::<Result<_>>()?;
     let nine_in_ten = |values: &[f64]| quantile(values.iter().copied(), 0.9);
     Ok([summary(&trips, median), summary(&trips, nine_in_ten)])
@@ -73,7 +73,7 @@ fn summary(trips: &[Errors], of: fn(&[f64]) -> f64) -> Errors {
 }
 
 /// Judges a trip; `None` if its accelerometer judges no window.
-fn judge_if_possible(path: &Path) -> Result<Option<Errors>> {
+fn judge_if_possible(path: &Path, tuning: &Tuning) -> Result<Option<Errors>> {
     let trip = Trip::read(path)?;
     let windows = windows(trip.rows());
     if windows.is_empty() {
@@ -86,7 +86,7 @@ fn judge_if_possible(path: &Path) -> Result<Option<Errors>> {
         ignore: vec![Signal::LongitudinalAcceleration],
         ..ReadOptions::default()
     };
-    let rows = run(&table, &vehicle().model, &options)?;
+    let rows = run(&table, &vehicle().model, tuning, &options)?;
     Ok(Some(errors(&windows, &rows)))
 }
 

@@ -24,6 +24,7 @@ pub mod table;
 pub mod track_laps;
 pub mod window_means;
 
+use estimator_core::Tuning;
 use host_sim::error::Result;
 use limits::{Comparison, WRITE, compare};
 use subject::{Subject, measure};
@@ -37,7 +38,7 @@ use table::{committed, text};
 /// Returns an error if the table or what is present of the data cannot be read.
 pub fn check(subjects: &[Subject]) -> Result<String> {
     let committed = committed()?;
-    let measured = measure(subjects)?;
+    let measured = measure(subjects, &Tuning::default())?;
     if !measured.absent.is_empty() {
         let names = measured.absent.join(", ");
         eprintln!("SKIPPED: the accuracy of {names}: no such data in ../shared");

@@ -12,8 +12,13 @@ use std::path::Path;
 ///
 /// # Errors
 /// Returns an error for a vehicle or a log that `estimate` refuses.
-pub fn run(log: &Path, model: &Model, options: &ReadOptions) -> Result<Vec<RunRow>> {
-    let mut recorder = Recorder::<f32>::new(model.clone(), Tuning::default())
+pub fn run(
+    log: &Path,
+    model: &Model,
+    tuning: &Tuning,
+    options: &ReadOptions,
+) -> Result<Vec<RunRow>> {
+    let mut recorder = Recorder::<f32>::new(model.clone(), tuning.clone())
         .map_err(|error| Error::content(log, error.to_string()))?;
     recorder.read_as(options);
     for_each_input(log, options, |_| (), |input| recorder.on_input(&input))?;

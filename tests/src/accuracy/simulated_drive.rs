@@ -3,6 +3,7 @@
 use super::errors::{Errors, GradeError};
 use super::run::run;
 use crate::image::root;
+use estimator_core::Tuning;
 use flate2::read::GzDecoder;
 use host_sim::error::{Error, Result};
 use host_sim::files::run::RunRow;
@@ -24,12 +25,12 @@ pub fn folder(drive: &str) -> PathBuf {
 ///
 /// # Errors
 /// Returns an error if a file of the drive cannot be read.
-pub fn judge(drive: &str) -> Result<Errors> {
+pub fn judge(drive: &str, tuning: &Tuning) -> Result<Errors> {
     let folder = folder(drive);
     let truth = Truth::read(&folder.join("truth.csv.gz"))?;
     let model = VehicleFile::read(&folder.join("vehicle.toml"))?.model;
     let log = folder.join("drive.log.zst");
-    let rows = run(&log, &model, &ReadOptions::default())?;
+    let rows = run(&log, &model, tuning, &ReadOptions::default())?;
     Ok(truth.errors(&rows))
 }
 

@@ -4,6 +4,7 @@ use super::errors::Errors;
 use super::table::AccuracyRow;
 use super::{bus_passes, car_trips, simulated_drive, track_laps};
 use crate::image::measured_mission;
+use estimator_core::Tuning;
 use host_sim::error::Result;
 use rayon::prelude::*;
 
@@ -74,13 +75,13 @@ impl Subject {
         }
     }
 
-    fn rows(self) -> Result<Vec<AccuracyRow>> {
+    fn rows(self, tuning: &Tuning) -> Result<Vec<AccuracyRow>> {
         let errors: Vec<Errors> = match self {
-            Drive(drive) => vec![simulated_drive::judge(drive)?],
-            Trip(trip) => vec![car_trips::judge(&car_trips::file(trip))?],
-            Trips => car_trips::judge_all()?.into(),
-            Laps => vec![track_laps::judge()?],
-            Passes => vec![bus_passes::judge()?],
+            Drive(drive) => vec![simulated_drive::judge(drive, tuning)?],
+            Trip(trip) => vec![car_trips::judge(&car_trips::file(trip), tuning)?],
+            Trips => car_trips::judge_all(tuning)?.into(),
+            Laps => vec![track_laps::judge(tuning)?],
+            Passes => vec![bus_passes::judge(tuning)?],
         };
         let named = self.names().into_iter().zip(errors);
         let rows = named.map(|(name, errors)| AccuracyRow::new(&name, &errors));
@@ -101,7 +102,7 @@ pub struct Measured {
 ///
 /// # Errors
 /// Returns an error if what is present of the data cannot be read.
-pub fn measure(subjects: &[Subject]) -> Result<Measured> {
+pub fn measure(subjects: &[Subject], tuning: &Tuning) -> Result<Measured> {
     let (present, absent): (Vec<Subject>, Vec<Subject>) = subjects
         .iter()
         .copied()
@@ -109,7 +110,7 @@ pub fn measure(subjects: &[Subject]) -> Result<Measured> {
     let rows = present
         .par_iter()
         .with_max_len(1)
-        .map(|subject| subject.rows());
+        .map(|subject| subject.rows(tuning));
     let rows: Vec<Vec<AccuracyRow>> = rows.collect::<Result<_>>()?;
     Ok(Measured {
         rows: rows.concat(),

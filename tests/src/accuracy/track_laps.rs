@@ -5,6 +5,7 @@ use super::errors::{Errors, GradeError};
 use super::run::run;
 use super::window_means::WindowMeans;
 use crate::image::measured_data;
+use estimator_core::Tuning;
 use host_sim::error::Result;
 use host_sim::files::csv::read_csv;
 use host_sim::files::run::RunRow;
@@ -28,12 +29,12 @@ pub fn folder() -> PathBuf {
 ///
 /// # Errors
 /// Returns an error if a file cannot be read.
-pub fn judge() -> Result<Errors> {
+pub fn judge(tuning: &Tuning) -> Result<Errors> {
     let folder = folder();
     let track = Track::read(&folder)?;
     let model = VehicleFile::read(&folder.join("vehicle.toml"))?.model;
     let table = folder.join("laps_1_to_6.csv.gz");
-    let rows = run(&table, &model, &ReadOptions::default())?;
+    let rows = run(&table, &model, tuning, &ReadOptions::default())?;
     Ok(track.errors(&rows))
 }
 
