@@ -211,7 +211,7 @@ impl VehicleCells {
                 // One of the two is wrong: the force is in doubt.
                 let doubt = sensor.disagrees() / numbers.rest_doubt;
                 cell.rest_percent = Scalar::max(cell.rest_percent, doubt);
-                self.contradiction = (doubt > 0.0 && !disagreed).then(|| DoubtBehind {
+                self.contradiction = (doubt > 0.0 && !disagreed).then_some(DoubtBehind {
                     duration_s: NOTICED_CELLS * cell.duration_s,
                     percent: doubt,
                 });

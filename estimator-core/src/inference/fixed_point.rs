@@ -183,14 +183,17 @@ impl FixedPoint {
         let (at, segment) = (passed.segment_number, &mut *passed.segment);
         let [bias, kink] = [Noise::Bias, Noise::Kink].map(|noise| &passed.found.of[noise as usize]);
         let opened = numbers.start_shock_percent * numbers.start_shock_percent;
+        let bend = ClosedStep::new(at, kink);
         if segment.bias_shock < opened {
             let step = ClosedStep::new(at, bias);
-            self.bias_step = self.bias_step.larger(step);
+            if step.exceeds(&bend, numbers) {
+                self.bias_step = self.bias_step.larger(step);
+            }
             let most = numbers.bias_shock_most_percent;
             self.add_odds(&step, bias.information.to_f32(), most);
         }
         if segment.kink < opened {
-            self.kink = self.kink.larger(ClosedStep::new(at, kink));
+            self.kink = self.kink.larger(bend);
         }
         let most = numbers.bias_shock_most_percent;
         let (shape, scale) = (numbers.bias_shock_shape, numbers.bias_shock_percent);
@@ -266,6 +269,12 @@ impl ClosedStep {
             evidence: sum * sum / information,
             size_percent: sum / information,
         }
+    }
+
+    /// Returns whether a step of the bias is clearly likelier than a kink of the road in its place.
+    /// Speeds do not tell one from the other; altitudes do.
+    pub(super) fn exceeds(&self, kink: &Self, numbers: &Numbers) -> bool {
+        self.evidence > kink.evidence + numbers.step_margin
     }
 
     fn larger(self, other: Self) -> Self {

@@ -8,7 +8,7 @@
 //! Annals of Economic and Social Measurement 2:399, 1973.
 
 use super::fixed_point::{ClosedStep, FixedPoint};
-use crate::filter::StateIndex::{Bias, Scale, Slope};
+use crate::filter::StateIndex::{self, Bias, Scale, Slope};
 use crate::filter::{Adjoint, CellInput, Dynamics, Record, STATES, Score, State, StateVector};
 use crate::scalar::Scalar;
 use crate::tuning::Numbers;
@@ -17,16 +17,40 @@ use heapless::Deque;
 /// Candidates, at most one a segment of 50 m.
 const CANDIDATES: usize = 32;
 
+/// What the cells between a place and the window say of an error of one that begins there.
+#[derive(Clone, Copy, Debug)]
+struct Followed<S> {
+    /// Error of the filter's state.
+    response: StateVector<S>,
+    score: Score<S>,
+}
+
+impl<S: Scalar> Followed<S> {
+    fn carry(&mut self, cell: &CellInput, dynamics: &Dynamics<S>, record: &Record<S>) {
+        let score = record.score_error(cell, dynamics, &mut self.response);
+        self.score.sum += score.sum;
+        self.score.information += score.information;
+    }
+
+    /// Returns the score with what the window says, of which the backward pass has left that of the
+    /// state before it.
+    fn with(&self, window: &Adjoint<S>) -> Score<S> {
+        let spread = window.information.times(&self.response);
+        Score {
+            sum: self.score.sum + S::dot(&self.response, &window.vector),
+            information: self.score.information + S::dot(&self.response, &spread),
+        }
+    }
+}
+
 /// A step that is not open, of one per cent, or a change of the scale by one.
 #[derive(Clone, Copy, Debug)]
 struct Candidate<S> {
-    is_load: bool,
     /// Largest sigma of its size.
     most: f32,
-    /// Error of the filter's state.
-    response: StateVector<S>,
-    /// What the cells between it and the window say.
-    score: Score<S>,
+    of: Followed<S>,
+    /// For a step of the bias: a kink of the road at its place. For a load there is none.
+    kink: Option<Followed<S>>,
 }
 
 /// The candidates, the oldest first.
@@ -53,9 +77,10 @@ impl<S: Scalar> PastSteps<S> {
         begins: bool,
     ) {
         for candidate in &mut self.0 {
-            let score = record.score_error(cell, dynamics, &mut candidate.response);
-            candidate.score.sum += score.sum;
-            candidate.score.information += score.information;
+            candidate.of.carry(cell, dynamics, record);
+            if let Some(kink) = &mut candidate.kink {
+                kink.carry(cell, dynamics, record);
+            }
         }
         if cell.load_variance > 0.0 {
             let mut response = [S::ZERO; STATES];
@@ -66,22 +91,24 @@ impl<S: Scalar> PastSteps<S> {
             }
             let score = record.score_error(cell, dynamics, &mut response);
             self.add(Candidate {
-                is_load: true,
                 most: Scalar::sqrt(cell.load_variance),
-                response,
-                score,
+                of: Followed { response, score },
+                kink: None,
             });
         }
         if begins {
-            let mut response = [S::ZERO; STATES];
-            response[Bias as usize] = S::ONE;
-            response[Slope as usize] = S::ONE;
-            let score = record.score_answers(cell, &mut response);
+            let follow = |indices: &[StateIndex]| {
+                let mut response = [S::ZERO; STATES];
+                for index in indices {
+                    response[*index as usize] = S::ONE;
+                }
+                let score = record.score_answers(cell, &mut response);
+                Followed { response, score }
+            };
             self.add(Candidate {
-                is_load: false,
                 most: numbers.bias_shock_most_percent,
-                response,
-                score,
+                of: follow(&[Bias, Slope]),
+                kink: Some(follow(&[Slope])),
             });
         }
     }
@@ -105,15 +132,14 @@ impl<S: Scalar> PastSteps<S> {
     ) -> Option<usize> {
         let mut best: Option<(usize, f32)> = None;
         for (at, candidate) in self.0.iter().enumerate() {
-            let spread = window.information.times(&candidate.response);
-            let score = Score {
-                sum: candidate.score.sum + S::dot(&candidate.response, &window.vector),
-                information: candidate.score.information + S::dot(&candidate.response, &spread),
-            };
+            let score = candidate.of.with(window);
             let step = ClosedStep::new(0, &score);
             found.add_odds(&step, score.information.to_f32(), candidate.most);
+            let is_clear = candidate
+                .kink
+                .is_none_or(|kink| step.exceeds(&ClosedStep::new(0, &kink.with(window)), numbers));
             let is_best = best.is_none_or(|(_, evidence)| step.evidence > evidence);
-            if step.evidence > numbers.revive && is_best {
+            if step.evidence > numbers.revive && is_clear && is_best {
                 best = Some((at, step.evidence));
             }
         }
@@ -126,21 +152,22 @@ impl<S: Scalar> PastSteps<S> {
             return;
         };
         let variance = S::from_f32(candidate.most).squared();
-        let Score { sum, information } = candidate.score;
+        let Followed { response, score } = &candidate.of;
+        let Score { sum, information } = *score;
         let left = variance / (S::ONE + variance * information);
-        S::add_products(&mut state.mean, left * sum, &candidate.response);
-        state.covariance.add_square(left, &candidate.response);
-        self.begin_anew(candidate.is_load);
+        S::add_products(&mut state.mean, left * sum, response);
+        state.covariance.add_square(left, response);
+        self.begin_anew(candidate.kink.is_none());
     }
 
     /// Forgets what was said so far: the filter explains it otherwise now. A load stays possible.
     fn begin_anew(&mut self, opens_load: bool) {
         for _ in 0..self.0.len() {
             if let Some(mut candidate) = self.0.pop_front()
-                && candidate.is_load
+                && candidate.kink.is_none()
                 && !opens_load
             {
-                candidate.score = Score {
+                candidate.of.score = Score {
                     sum: S::ZERO,
                     information: S::ZERO,
                 };
