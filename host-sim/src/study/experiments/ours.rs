@@ -125,7 +125,7 @@ pub fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
             mass_is_reported: true,
             torque_rest: Default::default(),
             retarder_n: 0.0,
-            service_braking: false,
+            service_braking: before.braking,
             traction_late_s: 0.0,
             disagreement: Disagreement::default(),
             disagreeing_cells: 0,
