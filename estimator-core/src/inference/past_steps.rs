@@ -135,11 +135,11 @@ impl<S: Scalar> PastSteps<S> {
             let score = candidate.of.with(window);
             let step = ClosedStep::new(0, &score);
             found.add_odds(&step, score.information.to_f32(), candidate.most);
-            let is_clear = candidate
-                .kink
-                .is_none_or(|kink| step.exceeds(&ClosedStep::new(0, &kink.with(window)), numbers));
             let is_best = best.is_none_or(|(_, evidence)| step.evidence > evidence);
-            if step.evidence > numbers.revive && is_clear && is_best {
+            let is_clear =
+                |kink: Followed<S>| step.exceeds(&ClosedStep::new(0, &kink.with(window)), numbers);
+            // The kink last: it is seldom needed.
+            if step.evidence > numbers.revive && is_best && candidate.kink.is_none_or(is_clear) {
                 best = Some((at, step.evidence));
             }
         }

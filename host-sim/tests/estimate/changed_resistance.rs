@@ -75,7 +75,6 @@ fn a_changed_resistance_hardly_adds_to_the_error() {
 }
 
 #[test]
-#[ignore = "not yet: the end of the section is not found to be a step"]
 fn a_larger_resistance_hardly_adds_to_the_error() {
     for truck in ["A", "B"] {
         check_added_error(truck, "rolling_factor = 3.0");
