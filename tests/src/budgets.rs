@@ -75,7 +75,7 @@ const FIGURES: [BudgetRow; 46] = [
     limited("estimator_bytes", "RAM of the estimator", 96_000),
     figure("image_ram_bytes", "static RAM of its image", None),
     limited("stack_bytes", "deepest stack of a call", 4_000),
-    limited("start_stack_bytes", "deepest stack of its creation", 30_000),
+    limited("start_stack_bytes", "deepest stack of its creation", 16_000),
     limited("panics", "panicking functions in the image", 0),
     figure(
         "ignored_frame_mean",

@@ -32,7 +32,7 @@ impl<S: Scalar> Estimator<S> {
     }
 
     /// Creates an estimator in the memory that it stays in, for example a static one. Some
-    /// 30 kB of it pass over the stack.
+    /// 13 kB of it pass over the stack.
     ///
     /// ```
     /// use core::mem::MaybeUninit;

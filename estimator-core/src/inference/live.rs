@@ -4,10 +4,11 @@ use super::doubt::DoubtFinder;
 use super::levels::{LevelSums, Levels};
 use super::variances::{CellVariances, SEGMENT_CELLS, SegmentVariances};
 use super::window::{
-    LiveSlope, Slope, UPDATE_CELLS, Window, is_undecided, of_doubtful_force, timing_variance,
+    BLOCK_CELLS, BLOCKS, LiveSlope, Slope, UPDATE_CELLS, Window, is_undecided, of_doubtful_force,
+    timing_variance,
 };
 use crate::cell::{CELL_LENGTH_M, Disagreement};
-use crate::filter::{CellInput, DoubtBehind, Quantity, State};
+use crate::filter::{CellInput, DoubtBehind, Quantity, Record, State};
 use crate::scalar::Scalar;
 use crate::tuning::Numbers;
 
@@ -26,6 +27,9 @@ impl<S: Scalar> Window<S> {
     ) -> LiveSlope {
         if !self.has_begun {
             self.has_begun = true;
+            // Not at the creation, where it would pass over the stack.
+            let _ = self.checkpoints.resize(BLOCKS, State::ZERO);
+            let _ = self.records.resize(BLOCK_CELLS, Record::EMPTY);
             self.newest = prior();
             self.adopted.committed = self.newest;
         }

@@ -39,7 +39,7 @@ pub(super) const SMOOTHED_CELLS: usize = if WITH_WINDOW { WAITING_CELLS + 1 } el
 pub(super) const SHARE_CELLS: usize = 4;
 /// Cells between two stored states.
 pub(super) const BLOCK_CELLS: usize = SEGMENT_CELLS;
-const BLOCKS: usize = CAPACITY / BLOCK_CELLS;
+pub(super) const BLOCKS: usize = CAPACITY / BLOCK_CELLS;
 pub(super) const SEGMENTS: usize = CAPACITY / SEGMENT_CELLS;
 
 /// The window of a drive.
@@ -64,8 +64,8 @@ pub struct Window<S> {
     /// Of the smoothed cells, the next one to be fetched, and the end of those that may be.
     pub(super) fetched: usize,
     pub(super) finished: usize,
-    pub(super) checkpoints: [State<S>; BLOCKS],
-    pub(super) records: [Record<S>; BLOCK_CELLS],
+    pub(super) checkpoints: Vec<State<S>, BLOCKS>,
+    pub(super) records: Vec<Record<S>, BLOCK_CELLS>,
     pub(super) work: Work,
     pub(super) pass: Pass<S>,
     pub(super) past_steps: PastSteps<S>,
@@ -132,8 +132,8 @@ impl<S: Scalar> Window<S> {
             given: 0,
             fetched: 0,
             finished: 0,
-            checkpoints: [State::ZERO; BLOCKS],
-            records: [Record::EMPTY; BLOCK_CELLS],
+            checkpoints: Vec::new(),
+            records: Vec::new(),
             work: Work::None,
             pass: Pass::done(),
             past_steps: PastSteps::new(),
