@@ -35,7 +35,8 @@ impl From<Unusable> for ReplayError {
 }
 
 /// Feeds every frame of the recorded drive to the estimator and writes the cells to [`CELLS_FILE`].
-/// With a map in flash, writes its part of each step to [`ON_MAP_FILE`]. Logs the estimate each kilometre, and the events of the altitude gate.
+/// With a map in flash, writes its part of each step to [`ON_MAP_FILE`]. Logs the estimate each
+/// kilometre.
 ///
 /// # Errors
 /// The drive is unusable, or a file cannot be written.
