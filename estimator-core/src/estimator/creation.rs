@@ -15,7 +15,8 @@ impl<S: Scalar> Estimator<S> {
     /// Creates an estimator for a vehicle. The model is made of its parameters alone, or of its
     /// parameters and adopted effects ([`Model`]).
     ///
-    /// The estimator takes some 96 kB, or 35 kB without the feature `window`. Where the stack is small, use [`new_in`](Self::new_in).
+    /// The estimator takes some 96 kB, or 35 kB without the feature `window`. Where the stack is small,
+    /// use [`new_in`](Self::new_in).
     ///
     /// # Errors
     /// The first parameter that no vehicle can have.
@@ -31,8 +32,8 @@ impl<S: Scalar> Estimator<S> {
         Ok(estimator)
     }
 
-    /// Creates an estimator in the memory that it stays in, for example a static one. Some
-    /// 13 kB of it pass over the stack.
+    /// Creates an estimator in the memory that it stays in, for example a static one. Some 13 kB
+    /// of it pass over the stack.
     ///
     /// ```
     /// use core::mem::MaybeUninit;

@@ -11,7 +11,6 @@ use super::state_index::StateIndex::{self, Bias, Retarder, Scale, TyreSlip};
 use crate::context::Context;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
-use crate::tuning::Prior;
 
 /// Mean and variance of a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,8 +72,8 @@ impl SlowStates {
         }
     }
 
-    /// Takes one step from the end of that drive to the start of this one. `fresh` is what a first
-    /// drive would assume with this mass in kg.
+    /// Takes one step from the end of that drive to the start of this one, which begins with a sample.
+    /// `fresh` is what a first drive would assume.
     ///
     /// The scale consists of mass and torque. Where no message reports the mass, a truck that has
     /// loaded looks like one that has not: with probability k the scale is what it was, otherwise it
@@ -89,18 +88,14 @@ impl SlowStates {
             fresh.mean[index as usize] = S::from_f32(keep * of.mean);
             fresh.covariance.add(index, index, variance - unknown);
         };
-        let Prior {
-            kept_bias: keep_bias,
-            kept_scale: keep,
-            ..
-        } = context.tuning.prior;
-        step(Bias, &self.bias, keep_bias);
-        step(TyreSlip, &self.tyre_slip, keep);
-        step(Retarder, &self.retarder, keep);
-        let keep_scale = self.kept_scale(context, sample);
-        if keep_scale > 0.0 {
-            step(Scale, &self.scale, keep_scale);
-            let joint = keep_bias * keep_scale * self.covariance;
+        let tuning = &context.tuning.prior;
+        step(Bias, &self.bias, tuning.kept_bias);
+        step(TyreSlip, &self.tyre_slip, tuning.kept_scale);
+        step(Retarder, &self.retarder, tuning.kept_scale);
+        let kept_scale = self.kept_scale(context, sample);
+        if kept_scale > 0.0 {
+            step(Scale, &self.scale, kept_scale);
+            let joint = tuning.kept_bias * kept_scale * self.covariance;
             fresh.covariance.add(Bias, Scale, S::from_f32(joint));
         }
     }

@@ -272,7 +272,7 @@ impl ClosedStep {
     }
 
     /// Returns whether a step of the bias is clearly likelier than a kink of the road in its place.
-    /// Speeds do not tell one from the other; altitudes do.
+    /// Altitudes distinguish the two. Speeds do not.
     pub(super) fn exceeds(&self, kink: &Self, numbers: &Numbers) -> bool {
         self.evidence > kink.evidence + numbers.step_margin
     }
@@ -299,8 +299,8 @@ fn shock<S: Scalar>(shape: f32, scale: f32, variance: f32, score: &Score<S>) -> 
     (shape * scale * scale + 0.5 * sum * sum) / (shape + 0.5 + 0.5 * determined)
 }
 
-/// Returns the next variance of a load change: as far from the last one as the data determine it. Until
-/// hills tell the load, it may be any.
+/// Returns the next variance of a load change. It moves from the last one only as far as the data
+/// determine it: the load is unknown until a hill shows it. A reported mass is believed at once.
 fn load_change<S: Scalar>(
     numbers: &Numbers,
     cell: &CellInput,

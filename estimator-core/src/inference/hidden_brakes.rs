@@ -1,7 +1,7 @@
 //! Whether overrun hides brakes that no signal reports.
 //!
-//! The smoothed force decides. Likelihoods do not tell the hypotheses apart: a constant retarder is
-//! cheap as a step of the bias.
+//! The smoothed force decides. The likelihoods of the two hypotheses are nearly the same: a step of the
+//! bias explains a constant retarder almost as well.
 
 use crate::cell::CELL_LENGTH_M;
 use crate::filter::{Adjoint, CellInput, Quantity, Record};

@@ -2,8 +2,8 @@
 //!
 //! A step of some tenths of a per cent needs a kilometre and more until altitudes tell it from the
 //! road and the receiver; so does a load on a level road. A segment that leaves the window with its step
-//! closed therefore goes on as a candidate, and so does a stop. The filter is linear, so a step moves its state by a known response; the innovations
-//! since give its score. Source: P. de Jong and J. Penzer, "Diagnosing shocks in time series", Journal
+//! closed therefore goes on as a candidate, and so does a stop. The filter is linear, so a step moves its
+//! state by a known response; the innovations since give its score. Source: P. de Jong and J. Penzer, "Diagnosing shocks in time series", Journal
 //! of the American Statistical Association 93:796, 1998; B. Rosenberg, "Random coefficients models",
 //! Annals of Economic and Social Measurement 2:399, 1973.
 
@@ -51,6 +51,14 @@ struct Candidate<S> {
     of: Followed<S>,
     /// For a step of the bias: a kink of the road at its place. For a load there is none.
     kink: Option<Followed<S>>,
+}
+
+impl<S: Scalar> Candidate<S> {
+    /// Returns whether its step is no kink of the road.
+    fn is_clear(&self, step: &ClosedStep, window: &Adjoint<S>, numbers: &Numbers) -> bool {
+        let Some(kink) = &self.kink else { return true };
+        step.exceeds(&ClosedStep::new(0, &kink.with(window)), numbers)
+    }
 }
 
 /// The candidates, the oldest first.
@@ -136,10 +144,10 @@ impl<S: Scalar> PastSteps<S> {
             let step = ClosedStep::new(0, &score);
             found.add_odds(&step, score.information.to_f32(), candidate.most);
             let is_best = best.is_none_or(|(_, evidence)| step.evidence > evidence);
-            let is_clear =
-                |kink: Followed<S>| step.exceeds(&ClosedStep::new(0, &kink.with(window)), numbers);
-            // The kink last: it is seldom needed.
-            if step.evidence > numbers.revive && is_best && candidate.kink.is_none_or(is_clear) {
+            if step.evidence > numbers.revive
+                && is_best
+                && candidate.is_clear(&step, window, numbers)
+            {
                 best = Some((at, step.evidence));
             }
         }
@@ -148,7 +156,7 @@ impl<S: Scalar> PastSteps<S> {
 
     /// Opens a candidate: the state is then that of a filter that allowed for the step.
     pub(super) fn open(&mut self, at: usize, state: &mut State<S>) {
-        let Some(&candidate) = self.0.iter().nth(at) else {
+        let Some(candidate) = self.0.iter().nth(at) else {
             return;
         };
         let variance = S::from_f32(candidate.most).squared();
@@ -157,7 +165,8 @@ impl<S: Scalar> PastSteps<S> {
         let left = variance / (S::ONE + variance * information);
         S::add_products(&mut state.mean, left * sum, response);
         state.covariance.add_square(left, response);
-        self.begin_anew(candidate.kink.is_none());
+        let opens_load = candidate.kink.is_none();
+        self.begin_anew(opens_load);
     }
 
     /// Forgets what was said so far: the filter explains it otherwise now. A load stays possible.

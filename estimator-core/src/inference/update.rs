@@ -154,6 +154,7 @@ impl<S: Scalar> Window<S> {
     }
 
     /// Takes the state before the window over cells that leave it, with the steps behind it.
+    #[inline(never)] // Its records take room on the stack, beside the rounds not.
     fn leave(&mut self, numbers: &Numbers, at: usize) {
         let round = self.adopted.round(numbers, 0);
         let stretch = Stretch {
