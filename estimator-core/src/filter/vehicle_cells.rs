@@ -372,7 +372,6 @@ impl<'a> Forces<'a> {
         self.percent(forces.traction_n - self.drag_n - turning_n)
     }
 
-    /// Tyres are cold again after a long stop.
     /// Returns the variance of a load change before the cell. A file is for one load of many, and so are
     /// some reports; but reports rarely lack a change.
     fn load_variance(&self, begins: bool, known: Option<&SlowStates>) -> f32 {
@@ -394,6 +393,7 @@ impl<'a> Forces<'a> {
         self.sample.mass_is_reported || self.context.model.effects.mass_variance() > 0.0
     }
 
+    /// Tyres are cold again after a long stop.
     fn cold_tyres_variance(&self) -> f32 {
         if self.sample.after_load_change {
             let rolling = 100.0 * self.context.model.vehicle.rolling_resistance;

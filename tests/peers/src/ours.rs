@@ -26,6 +26,7 @@ pub fn ours(meter: &mut impl FilterMeter) {
         force_variance: 1e-3,
         fixed_force_variance: 0.0,
         bias_variance: 0.01,
+        load_variance: 0.0,
         effect_variance: 0.0,
         wind_variance: 0.01,
         energy: Reading::NONE,
