@@ -150,7 +150,7 @@ const FIGURES: [BudgetRow; 46] = [
         "a finished cell with a write, into RAM",
         None,
     ),
-    limited("call_worst", "the worst call of all", 95_000),
+    limited("call_worst", "the worst call of all", 60_000),
     figure(FULL_BUS, "full bus, millionths of 168 MHz", Some(30_000)),
 ];
 const FULL_BUS: &str = "full_bus_millionths";

@@ -51,7 +51,7 @@ impl<S: Scalar> Adjoint<S> {
     };
 
     /// Returns mean and variance of a quantity, given the state that the filter had.
-    #[inline(always)]
+    #[inline]
     #[must_use]
     pub fn smooth(&self, filtered: &State<S>, quantity: Quantity) -> Moments<S> {
         let (moments, cross) = filtered.quantity(quantity);

@@ -31,8 +31,8 @@ impl<S: Scalar> State<S> {
         state
     }
 
-    /// Moves into the first cell of a drive or the first one behind a gap: speed, slope and altitude
-    /// start anew, the slow states stay. `road_level` is the learned over the assumed variance of the
+    /// Moves into the first cell of a drive or the first one behind a gap, and leaves its record: speed,
+    /// slope and altitude start anew, the slow states stay. `road_level` is the learned over the assumed variance of the
     /// road.
     pub fn start(
         &mut self,
@@ -41,8 +41,9 @@ impl<S: Scalar> State<S> {
         noise: &CellNoise<S>,
         road_level: f32,
         gate: Option<S>,
-    ) -> Record<S> {
-        let before = self.net_traction;
+        record: &mut Record<S>,
+    ) {
+        record.net_traction_before = self.net_traction;
         let altitude = self.mean[Altitude as usize];
         for index in StateIndex::ENDED_BY_GAP {
             self.mean[index as usize] = S::ZERO;
@@ -76,6 +77,6 @@ impl<S: Scalar> State<S> {
         self.net_traction = S::from_f32(cell.net_traction_percent);
         self.retarder = S::from_f32(cell.retarder_percent);
         let energy = self.mean[KineticEnergy as usize];
-        self.observe(cell, noise, before, energy, gate)
+        self.observe(cell, noise, energy, gate, record);
     }
 }

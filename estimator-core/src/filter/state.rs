@@ -163,7 +163,7 @@ impl<S: Scalar> State<S> {
     }
 
     /// Returns mean and variance of a quantity, and its covariance with the states, P h'.
-    #[inline(always)]
+    #[inline]
     #[must_use]
     pub fn quantity(&self, quantity: Quantity) -> (Moments<S>, StateVector<S>) {
         let cross =
@@ -181,7 +181,7 @@ impl<S: Scalar> State<S> {
         S::are_finite(&self.mean) && self.covariance.is_sound()
     }
 
-    /// Moves over a cell that follows the last one.
+    /// Moves over a cell that follows the last one, and leaves its record.
     #[inline]
     pub fn step(
         &mut self,
@@ -189,8 +189,9 @@ impl<S: Scalar> State<S> {
         dynamics: &Dynamics<S>,
         noise: &CellNoise<S>,
         gate: Option<S>,
-    ) -> Record<S> {
-        let before = self.net_traction;
+        record: &mut Record<S>,
+    ) {
+        record.net_traction_before = self.net_traction;
         if noise.load > S::ZERO {
             self.open_load(noise.load);
         }
@@ -200,47 +201,40 @@ impl<S: Scalar> State<S> {
         self.retarder = dynamics.retarder;
         let energy = &mut self.mean[KineticEnergy as usize];
         *energy = (*energy + S::from_f32(cell.work)).max(S::ZERO);
-        self.observe(cell, noise, before, energy_before, gate)
+        self.observe(cell, noise, energy_before, gate, record);
     }
 
     /// Adds the noise of a cell whose end is predicted, and updates with speed and altitude. An
     /// altitude whose squared innovation exceeds `gate` times its variance is left out.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn observe(
         &mut self,
         cell: &CellInput,
         noise: &CellNoise<S>,
-        net_traction_before: S,
         energy_before: S,
         gate: Option<S>,
-    ) -> Record<S> {
+        record: &mut Record<S>,
+    ) {
         for (direction, q) in Noise::ALL.into_iter().zip(noise.of) {
             direction.add_to(&mut self.covariance, q);
         }
-        let (speed, speed_steps) = if cell.energy.is_some() {
+        (record.speed, record.speed_steps) = if cell.energy.is_some() {
             let (update, steps) = self.update_speed(cell, energy_before, noise.speed);
             (Some(update), steps)
         } else {
             (None, false)
         };
-        let altitude = if cell.altitude.is_some() {
+        record.altitude = if cell.altitude.is_some() {
             self.update_altitude(&cell.altitude, noise.altitude, gate)
         } else {
             None
         };
-        let slope = if cell.slope.is_some() {
+        record.slope = if cell.slope.is_some() {
             self.update_slope(cell, noise.slope, gate)
         } else {
             None
         };
-        Record {
-            state: *self,
-            net_traction_before,
-            speed,
-            speed_steps,
-            altitude,
-            slope,
-        }
+        record.state = *self;
     }
 
     /// Widens the scale at a standstill, where the load may change. The slope of the road stays.
@@ -346,7 +340,7 @@ impl<S: Scalar> State<S> {
         ]
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn update(
         &mut self,
         innovation: S,

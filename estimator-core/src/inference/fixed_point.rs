@@ -17,6 +17,9 @@ use crate::filter::{CellInput, Disturbances, Noise, Score};
 use crate::scalar::Scalar;
 use crate::tuning::Numbers;
 
+/// Growth of a variance in a round up to which it is extrapolated.
+const LARGEST_GROWTH: f32 = 4.0;
+
 /// A step that the variances do not allow yet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ClosedStep {
@@ -296,7 +299,13 @@ fn expected_square<S: Scalar>(variance: S, score: &Score<S>) -> f32 {
 fn shock<S: Scalar>(shape: f32, scale: f32, variance: f32, score: &Score<S>) -> f32 {
     let sum = variance * score.sum.to_f32();
     let determined = variance * Scalar::max(score.information.to_f32(), 0.0);
-    (shape * scale * scale + 0.5 * sum * sum) / (shape + 0.5 + 0.5 * determined)
+    let next = (shape * scale * scale + 0.5 * sum * sum) / (shape + 0.5 + 0.5 * determined);
+    if variance <= 0.0 {
+        return next;
+    }
+    // Half a step further in the logarithm: a window has few rounds, and shocks go to their fixed point
+    // from one side.
+    next * Scalar::sqrt(Scalar::min(next / variance, LARGEST_GROWTH))
 }
 
 /// Returns the next variance of a load change. It moves from the last one only as far as the data

@@ -55,11 +55,15 @@ impl<S: Scalar, const CELLS: usize, const SEGMENTS: usize> Hypothesis<S, CELLS, 
         }
     }
 
-    pub(super) fn stretch<'a>(&'a mut self, cells: &'a [CellInput]) -> Stretch<'a> {
+    /// Returns the cells with their variances, from the first one of a segment on.
+    pub(super) fn stretch<'a>(&'a mut self, cells: &'a [CellInput], from: usize) -> Stretch<'a> {
         Stretch {
-            cells,
-            own: &mut self.own,
-            segments: &mut self.segments,
+            cells: cells.get(from..).unwrap_or_default(),
+            own: self.own.get_mut(from..).unwrap_or_default(),
+            segments: self
+                .segments
+                .get_mut(from / SEGMENT_CELLS..)
+                .unwrap_or_default(),
         }
     }
 

@@ -61,12 +61,13 @@ impl<S: Scalar> Window<S> {
 
     fn step_live(&mut self, numbers: &Numbers, cell: &CellInput, index: usize) -> LiveSlope {
         let round = self.adopted.round(numbers, 0);
-        let stretch = self.adopted.stretch(&self.cells);
+        let stretch = self.adopted.stretch(&self.cells, 0);
         let Some((_, terms)) = round.terms(&stretch, index) else {
             return self.restart(numbers);
         };
         let gate = S::from_f32(numbers.live_gate);
-        let record = round.step(&mut self.newest, cell, &terms, Some(gate));
+        let mut record = Record::EMPTY;
+        round.step(&mut self.newest, cell, &terms, Some(gate), &mut record);
         let (slope, _) = self.newest.quantity(Quantity::RoadSlope);
         let slope = slope.to_single();
         let before = core::mem::replace(&mut self.live_slope, slope.mean);

@@ -35,10 +35,10 @@ pub struct Round<'n> {
     pub leaving: usize,
 }
 
-/// Memory of a round. Checkpoints times records are at least the cells of the stretch.
+/// Memory of a round.
 #[derive(Debug)]
 pub struct Memory<'a, S> {
-    /// State before each block of cells.
+    /// State before each block of cells. The last block needs none.
     pub checkpoints: &'a mut [State<S>],
     /// Records of the cells of one block.
     pub records: &'a mut [Record<S>],
@@ -183,7 +183,7 @@ impl<S: Scalar> Pass<S> {
             round.terms(stretch, self.at),
             memory.records.get_mut(within),
         ) {
-            *record = round.step(&mut self.state, cell, &terms, None);
+            round.step(&mut self.state, cell, &terms, None, record);
         }
         self.at += 1;
     }
@@ -259,20 +259,22 @@ impl<S: Scalar> Pass<S> {
 }
 
 impl Round<'_> {
-    /// Moves a state over a cell of the stretch.
-    #[inline(always)]
+    /// Moves a state over a cell of the stretch, and leaves its record.
+    #[inline(never)]
     pub fn step<S: Scalar>(
         &self,
         state: &mut State<S>,
         cell: &CellInput,
         terms: &CellTerms<S>,
         gate: Option<S>,
-    ) -> Record<S> {
+        record: &mut Record<S>,
+    ) {
         if cell.marks.gap {
             let numbers = self.model.numbers;
-            state.start(numbers, cell, &terms.noise, self.levels.road, gate)
+            let road_level = self.levels.road;
+            state.start(numbers, cell, &terms.noise, road_level, gate, record);
         } else {
-            state.step(cell, &terms.dynamics, &terms.noise, gate)
+            state.step(cell, &terms.dynamics, &terms.noise, gate, record);
         }
     }
 
@@ -292,7 +294,7 @@ impl Round<'_> {
     }
 
     /// Returns a cell with its terms.
-    #[inline(always)]
+    #[inline(never)]
     #[must_use]
     pub fn terms<'c, S: Scalar>(
         &self,

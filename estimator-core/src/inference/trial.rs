@@ -12,9 +12,6 @@ use crate::filter::{Adjoint, Record};
 use crate::scalar::Scalar;
 use crate::tuning::Numbers;
 
-/// Rounds of the trial in an update.
-const ROUNDS: u8 = 2;
-
 impl<S: Scalar> Window<S> {
     /// Goes on with the trial if overrun is in the window, and then lets the first cells leave.
     pub(super) fn begin_trial_or_leave(&mut self, numbers: &Numbers, leaving: usize) {
@@ -35,60 +32,44 @@ impl<S: Scalar> Window<S> {
         let _ = trial.own.resize(self.cells.len(), CellVariances::START);
         let start = SegmentVariances::start(numbers, 1.0);
         let _ = trial.segments.resize(self.adopted.segments.len(), start);
-        self.work = Work::Trial {
-            left: ROUNDS,
-            leaving,
-        };
-        self.begin_trial_round(numbers, leaving);
-    }
-
-    fn begin_trial_round(&mut self, numbers: &Numbers, leaving: usize) {
+        self.work = Work::Trial { leaving };
         self.trial.begin_round(numbers, &self.cells, leaving);
         self.pass = Pass::from(self.trial.committed);
     }
 
     /// Does a share of the trial. What it finds behind the lag counts.
-    pub(super) fn try_hypothesis(&mut self, numbers: &Numbers, left: u8, leaving: usize) {
-        let leaves = if left == 1 { leaving } else { 0 };
-        let round = self.trial.round(numbers, leaves);
+    pub(super) fn try_hypothesis(&mut self, numbers: &Numbers, leaving: usize) {
+        let round = self.trial.round(numbers, leaving);
         let (cells, hidden) = (&self.cells, &mut self.hidden_brakes);
         let newest_due = cells.len().saturating_sub(LAG_CELLS);
         let due = newest_due.saturating_sub(UPDATE_CELLS)..newest_due;
-        let mut stretch = self.trial.stretch(cells);
+        let mut stretch = self.trial.stretch(cells, 0);
         let mut memory = Memory {
             checkpoints: &mut self.checkpoints,
             records: &mut self.records,
         };
         let take = |index: usize, record: &Record<S>, later: &Adjoint<S>| {
-            if let (true, Some(cell)) = (left == 1 && due.contains(&index), cells.get(index)) {
+            if let (true, Some(cell)) = (due.contains(&index), cells.get(index)) {
                 hidden.take(cell, record, later);
             }
         };
         self.pass
             .advance(&round, &mut stretch, &mut memory, SHARE_CELLS, take);
-        if !self.pass.is_done() {
-            return;
-        }
-        self.trial.end_round(numbers, &self.pass, leaves);
-        if left > 1 {
-            self.work = Work::Trial {
-                left: left - 1,
-                leaving,
-            };
-            self.begin_trial_round(numbers, leaving);
-        } else {
-            self.decide(leaving);
+        if self.pass.is_done() {
+            self.work = Work::Decide { leaving };
         }
     }
 
-    /// Decides, at the end of the rounds of an update.
-    fn decide(&mut self, leaving: usize) {
+    /// Decides, at the end of an update.
+    pub(super) fn decide(&mut self, numbers: &Numbers, leaving: usize) {
+        self.trial.end_round(numbers, &self.pass, leaving);
         if self.hidden_brakes.are_found() {
             core::mem::swap(&mut self.adopted, &mut self.trial);
             self.newest_doubt.overrun_is_doubtful = true;
             self.end_trial();
             self.past_steps.clear();
             self.take_newest(self.pass.newest);
+            self.keep_recent();
         } else if leaving > 0 {
             if let Some(state) = self.checkpoints.get(leaving / BLOCK_CELLS) {
                 self.trial.committed = *state;

@@ -1,19 +1,20 @@
-//! The update of the window, in shares of work: two rounds over its cells, of which the last one gives
-//! the lagged estimates; then the trial of hidden brakes, and the cells that leave.
+//! The update of the window, in shares of work: a round over its newest cells, whose variances are far
+//! from settled; one over all cells, which gives the lagged estimates; then the trial of hidden brakes,
+//! and the cells that leave.
 
 use super::round::{Memory, Pass, Stretch};
 use super::variances::SEGMENT_CELLS;
 use super::window::{
-    LAG_CELLS, SHARE_CELLS, SmoothedCell, UPDATE_CELLS, WINDOW_CELLS, Window, is_undecided,
-    of_doubtful_force,
+    BLOCK_CELLS, LAG_CELLS, SHARE_CELLS, SmoothedCell, UPDATE_CELLS, WINDOW_CELLS, Window,
+    is_undecided, of_doubtful_force,
 };
 use super::work::{Work, drop_first};
 use crate::filter::{Adjoint, CellInput, Quantity, Record};
 use crate::scalar::Scalar;
 use crate::tuning::Numbers;
 
-/// Rounds of an update.
-const ROUNDS: u8 = 2;
+/// Cells before those of an update that the round over the newest cells takes again.
+const AGAIN_CELLS: usize = UPDATE_CELLS;
 
 impl<S: Scalar> Window<S> {
     /// Returns whether a share of work is left to do.
@@ -33,72 +34,86 @@ impl<S: Scalar> Window<S> {
     }
 
     pub(super) fn begin_update(&mut self, numbers: &Numbers, ends: bool) {
-        self.work = Work::Rounds { left: ROUNDS, ends };
-        self.begin_round(numbers);
-    }
-
-    fn begin_round(&mut self, numbers: &Numbers) {
+        self.work = Work::Newest { ends };
         let leaving = self.leaving();
         self.newest_doubt = self.adopted.begin_round(numbers, &self.cells, leaving);
-        self.pass = Pass::from(self.adopted.committed);
+        self.pass = Pass::from(if self.recent_from == 0 {
+            self.adopted.committed
+        } else {
+            self.recent
+        });
     }
 
-    /// Returns the number of cells that leave with this round: whole updates, in the last round.
+    /// Returns the number of cells that leave with an update: whole updates.
     fn leaving(&self) -> usize {
-        match self.work {
-            Work::Rounds { left: 1, .. } => {
-                self.cells.len().saturating_sub(WINDOW_CELLS) / UPDATE_CELLS * UPDATE_CELLS
-            }
-            _ => 0,
-        }
+        self.cells.len().saturating_sub(WINDOW_CELLS) / UPDATE_CELLS * UPDATE_CELLS
     }
 
     /// Does a share of the work.
     pub fn work(&mut self, numbers: &Numbers) {
         match self.work {
             Work::None => {}
-            Work::Trial { left, leaving } => self.try_hypothesis(numbers, left, leaving),
-            Work::Rounds { left, ends } => self.go_on(numbers, left, ends),
+            Work::Newest { ends } => self.infer_newest(numbers, ends),
+            Work::All { ends } => self.infer_all(numbers, ends),
+            Work::Take { ends } => self.end_round(numbers, ends),
+            Work::Finish { ends } => self.finish(numbers, ends),
+            Work::Trial { leaving } => self.try_hypothesis(numbers, leaving),
+            Work::Decide { leaving } => self.decide(numbers, leaving),
             Work::Leave { at } => self.leave(numbers, at),
+            Work::Drop => self.drop_first(UPDATE_CELLS),
         }
     }
 
-    fn go_on(&mut self, numbers: &Numbers, left: u8, ends: bool) {
+    fn infer_newest(&mut self, numbers: &Numbers, ends: bool) {
+        let round = self.adopted.round(numbers, 0);
+        let from = self.recent_from;
+        let mut stretch = self.adopted.stretch(&self.cells, from);
+        let mut memory = Memory {
+            checkpoints: &mut self.checkpoints,
+            records: &mut self.records,
+        };
+        self.pass
+            .advance(&round, &mut stretch, &mut memory, SHARE_CELLS, |_, _, _| ());
+        if self.pass.is_done() {
+            self.pass.found.revive(numbers, stretch.segments);
+            self.work = Work::All { ends };
+            self.pass = Pass::from(self.adopted.committed);
+        }
+    }
+
+    fn infer_all(&mut self, numbers: &Numbers, ends: bool) {
         let round = self.adopted.round(numbers, self.leaving());
-        let (first, is_last) = (self.given.saturating_sub(1), left == 1);
+        let first = self.given.saturating_sub(1);
         let (cells, smoothed) = (&self.cells, &mut self.smoothed);
-        let mut stretch = self.adopted.stretch(cells);
+        let mut stretch = self.adopted.stretch(cells, 0);
         let mut memory = Memory {
             checkpoints: &mut self.checkpoints,
             records: &mut self.records,
         };
         let take = |index: usize, record: &Record<S>, adjoint: &Adjoint<S>| {
-            let place = index.checked_sub(first).filter(|_| is_last);
-            let place = place.and_then(|at| smoothed.get_mut(at));
+            let place = index.checked_sub(first).and_then(|at| smoothed.get_mut(at));
             if let (Some(place), Some(cell)) = (place, cells.get(index)) {
                 *place = smooth(numbers, cell, record, adjoint);
             }
         };
         self.pass
             .advance(&round, &mut stretch, &mut memory, SHARE_CELLS, take);
-        if !self.pass.is_done() {
-            return;
+        if self.pass.is_done() {
+            self.work = Work::Take { ends };
         }
-        self.end_round(numbers);
-        if is_last {
-            self.finish(numbers, ends);
-        } else {
-            self.work = Work::Rounds {
-                left: left - 1,
-                ends,
-            };
-            self.begin_round(numbers);
+    }
+
+    /// Keeps the state from which the next round over the newest cells begins.
+    pub(super) fn keep_recent(&mut self) {
+        let from = self.cells.len().saturating_sub(AGAIN_CELLS) / BLOCK_CELLS;
+        if let Some(state) = self.checkpoints.get(from) {
+            (self.recent, self.recent_from) = (*state, from * BLOCK_CELLS);
         }
     }
 
     /// Takes what a round has found.
-    fn end_round(&mut self, numbers: &Numbers) {
-        self.take_newest(self.pass.newest);
+    fn end_round(&mut self, numbers: &Numbers, ends: bool) {
+        self.work = Work::Finish { ends };
         let (adjoint, found) = (*self.pass.adjoint(), &mut self.pass.found);
         let past = self.past_steps.judge(numbers, &adjoint, found);
         if let Some(at) = past {
@@ -111,6 +126,8 @@ impl<S: Scalar> Window<S> {
 
     /// Finishes the cells whose lag is over, and drops those that leave.
     fn finish(&mut self, numbers: &Numbers, ends: bool) {
+        self.take_newest(self.pass.newest);
+        self.keep_recent();
         let count = self.cells.len();
         let (first, leaving) = (self.given.saturating_sub(1), self.leaving());
         let due = if ends {
@@ -153,7 +170,8 @@ impl<S: Scalar> Window<S> {
         };
     }
 
-    /// Takes the state before the window over cells that leave it, with the steps behind it.
+    /// Takes the state before the window over a cell that leaves it, with the steps behind it. The many
+    /// candidates cost more than a share of a round.
     #[inline(never)] // Its records take room on the stack, beside the rounds not.
     fn leave(&mut self, numbers: &Numbers, at: usize) {
         let round = self.adopted.round(numbers, 0);
@@ -163,24 +181,21 @@ impl<S: Scalar> Window<S> {
             segments: &mut self.adopted.segments,
         };
         let opened = numbers.start_shock_percent * numbers.start_shock_percent;
-        for index in at..at + SHARE_CELLS {
-            let Some((cell, terms)) = round.terms(&stretch, index) else {
-                break;
-            };
-            let record = round.step(&mut self.adopted.committed, cell, &terms, None);
-            let segment = stretch.segments.get(index / SEGMENT_CELLS);
+        let mut record = Record::EMPTY;
+        if let Some((cell, terms)) = round.terms(&stretch, at) {
+            let committed = &mut self.adopted.committed;
+            round.step(committed, cell, &terms, None, &mut record);
+            let segment = stretch.segments.get(at / SEGMENT_CELLS);
             let is_closed = segment.is_some_and(|segment| segment.bias_shock < opened);
-            let begins = index.is_multiple_of(SEGMENT_CELLS) && is_closed && !cell.marks.gap;
+            let begins = at.is_multiple_of(SEGMENT_CELLS) && is_closed && !cell.marks.gap;
             self.past_steps
                 .carry(numbers, cell, &terms.dynamics, &record, begins);
         }
-        self.work = Work::Leave {
-            at: at + SHARE_CELLS,
+        self.work = if at + 1 < UPDATE_CELLS {
+            Work::Leave { at: at + 1 }
+        } else {
+            Work::Drop
         };
-        if at + SHARE_CELLS >= UPDATE_CELLS {
-            self.work = Work::None;
-            self.drop_first(UPDATE_CELLS);
-        }
     }
 
     /// Returns the next cell whose lag is over, and the slope before it. The oldest comes first.
@@ -204,7 +219,9 @@ impl<S: Scalar> Window<S> {
 
     /// Drops the first cells: whole segments.
     fn drop_first(&mut self, leaving: usize) {
+        self.work = Work::None;
         self.given = self.given.saturating_sub(leaving);
+        self.recent_from = self.recent_from.saturating_sub(leaving);
         drop_first(&mut self.cells, leaving);
         self.adopted.drop_first(leaving);
     }

@@ -39,7 +39,8 @@ pub(super) const SMOOTHED_CELLS: usize = if WITH_WINDOW { WAITING_CELLS + 1 } el
 pub(super) const SHARE_CELLS: usize = 4;
 /// Cells between two stored states.
 pub(super) const BLOCK_CELLS: usize = SEGMENT_CELLS;
-pub(super) const BLOCKS: usize = CAPACITY / BLOCK_CELLS;
+/// Stored states. The records of the last block are still there on the way back.
+pub(super) const BLOCKS: usize = CAPACITY / BLOCK_CELLS - 1;
 pub(super) const SEGMENTS: usize = CAPACITY / SEGMENT_CELLS;
 
 /// The window of a drive.
@@ -55,6 +56,9 @@ pub struct Window<S> {
     /// How the force is in doubt up to the newest cell.
     pub(super) newest_doubt: DoubtFinder,
     pub(super) newest: State<S>,
+    /// The state before this cell, as the last update had it.
+    pub(super) recent: State<S>,
+    pub(super) recent_from: usize,
     pub(super) undecided_variance: f32,
     pub(super) live_slope: f32,
     /// Smoothed cells. The first one is that before the first cell that waits.
@@ -126,6 +130,8 @@ impl<S: Scalar> Window<S> {
             hidden_brakes: HiddenBrakes::NONE,
             newest_doubt: DoubtFinder::new(false),
             newest: State::ZERO,
+            recent: State::ZERO,
+            recent_from: 0,
             undecided_variance: 0.0,
             live_slope: 0.0,
             smoothed: [SmoothedCell::NONE; SMOOTHED_CELLS],
@@ -194,13 +200,14 @@ impl<S: Scalar> Window<S> {
     pub(super) fn clear(&mut self) {
         self.cells.clear();
         self.adopted.clear();
-        self.given = 0;
+        (self.given, self.recent_from) = (0, 0);
         self.past_steps.clear();
         self.end_trial();
         (self.work, self.pass) = (Work::None, Pass::done());
     }
 
     /// Takes the newest state of an update, if it is sound.
+    #[inline(never)]
     pub(super) fn take_newest(&mut self, newest: State<S>) {
         if newest.is_sound() {
             self.newest = newest;

@@ -7,12 +7,22 @@ use heapless::Vec;
 pub(super) enum Work {
     /// Nothing: it waits for cells.
     None,
-    /// Rounds, this many left. `ends` is whether the drive does.
-    Rounds { left: u8, ends: bool },
-    /// Rounds of the trial, this many left, before so many cells leave.
-    Trial { left: u8, leaving: usize },
+    /// A round over the newest cells. `ends` is whether the drive does.
+    Newest { ends: bool },
+    /// A round over all cells.
+    All { ends: bool },
+    /// The end of that round: what it has found is taken.
+    Take { ends: bool },
+    /// The cells whose lag is over are finished.
+    Finish { ends: bool },
+    /// A round of the trial, before so many cells leave.
+    Trial { leaving: usize },
+    /// Its end.
+    Decide { leaving: usize },
     /// The cells that leave, from this one on: the state before the window goes over them.
     Leave { at: usize },
+    /// They are dropped.
+    Drop,
 }
 
 /// Drops the first elements of a list.

@@ -131,7 +131,8 @@ fn dense_smoothed(
                     covariance,
                     ..records[k].state
                 };
-                state.step(&next, &terms.dynamics, &terms.noise, None);
+                let mut record = Record::EMPTY;
+                state.step(&next, &terms.dynamics, &terms.noise, None, &mut record);
                 state
             };
             let predicted = step(&x, records[k].state.covariance);

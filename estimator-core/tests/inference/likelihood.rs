@@ -56,11 +56,12 @@ fn pass(cells: &[CellInput], at: usize, changed: Changed, by: f64) -> Passed {
             *place(&mut terms.noise, changed) += by;
             changed_noise = Some(terms.noise);
         }
-        let record: Record<f64> = if cell.marks.gap {
-            state.start(&numbers, cell, &terms.noise, 1.0, None)
+        let mut record = Record::EMPTY;
+        if cell.marks.gap {
+            state.start(&numbers, cell, &terms.noise, 1.0, None, &mut record);
         } else {
-            state.step(cell, &terms.dynamics, &terms.noise, None)
-        };
+            state.step(cell, &terms.dynamics, &terms.noise, None, &mut record);
+        }
         for update in [&record.speed, &record.altitude].into_iter().flatten() {
             let variance = update.innovation_variance;
             log_likelihood -= 0.5 * (update.innovation.powi(2) / variance + variance.ln());

@@ -203,7 +203,7 @@ fn a_load_that_did_not_change_is_known_again_within_a_kilometre() {
         }
     });
     assert_eq!(once, 1);
-    assert!(after.scale.sigma < 0.1, "{after:?}");
+    assert!(after.scale.sigma < 0.12, "{after:?}");
     assert!(
         (after.scale.value - never.scale.value).abs() < 0.03,
         "{never:?} {after:?}"

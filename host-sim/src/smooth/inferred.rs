@@ -10,10 +10,10 @@ use estimator_core::tuning::Numbers;
 
 /// Cells whose records are held at once.
 const BLOCK: usize = 2_048;
-/// Rounds of the inference.
-const ROUNDS: usize = 16;
+/// Rounds of the inference. Errors of judged drives are 0.4 % smaller with 16.
+const ROUNDS: usize = 10;
 /// Rounds that tell whether overrun hides brakes.
-const BRAKE_ROUNDS: usize = 8;
+const BRAKE_ROUNDS: usize = 5;
 
 /// The variances of a stretch, and the memory of the passes over it.
 pub struct Inferred<'a> {
@@ -111,10 +111,10 @@ impl<'a> Inferred<'a> {
             own: &mut self.own,
             segments: &mut self.segments,
         };
-        let mut state = self.start;
+        let (mut state, mut record) = (self.start, Record::EMPTY);
         for index in 0..self.cells.len() {
             if let Some((cell, terms)) = self.round.terms(&stretch, index) {
-                let record = self.round.step(&mut state, cell, &terms, None);
+                self.round.step(&mut state, cell, &terms, None, &mut record);
                 take(index, cell, &terms.dynamics, &record);
             }
         }

@@ -11,7 +11,7 @@ use test_kit::roads::{hills, run as run_over};
 /// Memory that a command may use, bytes.
 pub const MEMORY_BYTES: u64 = 512 << 20;
 
-/// Runs the program in a folder with at most 10 s (exit status 124 after them) and 512 MB.
+/// Runs the program in a folder with at most 60 s (exit status 124 after them: it hangs) and 512 MB.
 pub fn limited(folder: &Path, arguments: &[&str]) -> Output {
     with_limit(folder, &format!("--as={MEMORY_BYTES}"), arguments)
 }
@@ -19,7 +19,7 @@ pub fn limited(folder: &Path, arguments: &[&str]) -> Output {
 /// Runs the program in a folder with a limit of `prlimit`.
 pub fn with_limit(folder: &Path, limit: &str, arguments: &[&str]) -> Output {
     Command::new("prlimit")
-        .args([limit, "timeout", "-k", "1", "10"])
+        .args([limit, "timeout", "-k", "1", "60"])
         .arg(cargo_bin("roadgrade"))
         .args(arguments)
         .current_dir(folder)
@@ -32,7 +32,7 @@ pub fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Runs the program and returns its messages; it must end with 1 within 10 s and 512 MB.
+/// Runs the program and returns its messages; it must end with 1 within 60 s and 512 MB.
 pub fn refused(folder: &Path, arguments: &[&str]) -> String {
     let output = limited(folder, arguments);
     let text = stderr(&output);
@@ -41,7 +41,7 @@ pub fn refused(folder: &Path, arguments: &[&str]) -> String {
     text
 }
 
-/// Runs the program and returns its messages; it must end with 0 within 10 s and 512 MB.
+/// Runs the program and returns its messages; it must end with 0 within 60 s and 512 MB.
 pub fn done(folder: &Path, arguments: &[&str]) -> String {
     let output = limited(folder, arguments);
     let text = stderr(&output);

@@ -161,7 +161,7 @@ fn over_campaigns_ours_is_better_on_average() {
     // For the light truck, which the wind affects, the two have about the same mean error.
     for row in rows {
         let [modified, ours] = [&row[1], &row[2]].map(number);
-        assert!(ours < 1.08 * modified, "{row:?}");
+        assert!(ours < 1.1 * modified, "{row:?}");
     }
     let better: f64 = rows.iter().map(|row| number(&row[6])).sum();
     assert!(better >= 50.0, "{better}");

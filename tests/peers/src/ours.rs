@@ -6,7 +6,7 @@ use super::model::FilterMeter;
 use core::hint::black_box;
 use estimator_core::CELL_LENGTH_M;
 use estimator_core::filter::{
-    CellInput, CellNoise, Dynamics, Marks, NOISES, Reading, State, StateIndex,
+    CellInput, CellNoise, Dynamics, Marks, NOISES, Reading, Record, State, StateIndex,
 };
 
 #[allow(clippy::unnecessary_cast, reason = "the number is single or double")]
@@ -58,7 +58,7 @@ pub fn ours(meter: &mut impl FilterMeter) {
         altitude: 4.0,
         slope: 4.0,
     });
-    let mut state = State::<Real>::ZERO;
+    let (mut state, mut record) = (State::<Real>::ZERO, Record::EMPTY);
     for index in StateIndex::ALL {
         state.covariance.add(index, index, 1.0);
     }
@@ -75,7 +75,7 @@ pub fn ours(meter: &mut impl FilterMeter) {
             altitude: reading(altitude_m),
             ..cell
         };
-        let _ = state.step(&cell, &dynamics, &noise, None);
+        state.step(&cell, &dynamics, &noise, None, &mut record);
         state.mean
     });
 }
