@@ -469,13 +469,13 @@ mod tests {
             Budgets { columns }
         };
         let floats = "thumbv7em-none-eabihf f32 effects";
-        assert!(budgets(floats, 95_000).beyond_limits().is_empty());
-        let beyond = budgets(floats, 95_001).beyond_limits();
-        let expected = format!("{floats}: call_worst: 95001, more than the limit 95000");
+        assert!(budgets(floats, 60_000).beyond_limits().is_empty());
+        let beyond = budgets(floats, 60_001).beyond_limits();
+        let expected = format!("{floats}: call_worst: 60001, more than the limit 60000");
         assert_eq!(beyond, [expected]);
         let others = ["thumbv7em-none-eabihf fixed", "thumbv6m-none-eabi f32"];
         for other in others {
-            assert!(budgets(other, 95_001).beyond_limits().is_empty());
+            assert!(budgets(other, 60_001).beyond_limits().is_empty());
         }
         let committed = Budgets::read(&committed_file()).unwrap();
         assert_eq!(committed.beyond_limits(), Vec::<String>::new());
