@@ -121,7 +121,7 @@ impl<S: Scalar> Covariance<S> {
     }
 
     /// Returns `M v`.
-    #[inline(never)]
+    #[inline(never)] // One copy: flash is small.
     #[must_use]
     pub fn times(&self, vector: &StateVector<S>) -> StateVector<S> {
         let mut product = [S::ZERO; STATES];
@@ -138,7 +138,7 @@ impl<S: Scalar> Covariance<S> {
     }
 
     /// Returns whether every variance is finite and not negative.
-    #[inline(never)]
+    #[inline(never)] // One copy: flash is small.
     #[must_use]
     pub fn is_sound(&self) -> bool {
         (0..STATES).all(|i| {

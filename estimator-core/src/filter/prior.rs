@@ -32,8 +32,8 @@ impl<S: Scalar> State<S> {
     }
 
     /// Moves into the first cell of a drive or the first one behind a gap, and leaves its record: speed,
-    /// slope and altitude start anew, the slow states stay. `road_level` is the learned over the assumed variance of the
-    /// road.
+    /// slope and altitude start anew, the slow states stay. `road_level` is the learned over the assumed
+    /// variance of the road.
     pub fn start(
         &mut self,
         numbers: &Numbers,

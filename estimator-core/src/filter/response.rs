@@ -34,7 +34,7 @@ impl<S: Scalar> Record<S> {
     }
 
     /// Propagates the error over the step, up to the measurements.
-    #[inline(never)]
+    #[inline(never)] // One copy: flash is small.
     fn propagate_error(
         &self,
         cell: &CellInput,
@@ -54,7 +54,7 @@ impl<S: Scalar> Record<S> {
     }
 
     /// Takes the error over the updates. Returns those of their innovations: speed, altitude, slope.
-    #[inline(never)]
+    #[inline(never)] // One copy: flash is small.
     pub(crate) fn answer(&self, cell: &CellInput, error: &mut StateVector<S>) -> [Option<S>; 3] {
         let per_slip = S::from_f32(cell.energy_per_slip);
         let wheels = error[KineticEnergy as usize] + per_slip * error[TyreSlip as usize];

@@ -206,7 +206,7 @@ impl<S: Scalar> State<S> {
 
     /// Adds the noise of a cell whose end is predicted, and updates with speed and altitude. An
     /// altitude whose squared innovation exceeds `gate` times its variance is left out.
-    #[inline(never)]
+    #[inline(never)] // One copy: flash is small.
     pub(super) fn observe(
         &mut self,
         cell: &CellInput,
@@ -340,7 +340,7 @@ impl<S: Scalar> State<S> {
         ]
     }
 
-    #[inline(never)]
+    #[inline(never)] // One copy: flash is small.
     fn update(
         &mut self,
         innovation: S,

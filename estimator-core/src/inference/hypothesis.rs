@@ -67,9 +67,9 @@ impl<S: Scalar, const CELLS: usize, const SEGMENTS: usize> Hypothesis<S, CELLS, 
         }
     }
 
-    /// Begins a round. Finds anew where the force is in doubt: rests of the torque were marked since.
+    /// Finds anew where the force is in doubt: rests of the torque were marked since the last update.
     /// Returns the finder behind the newest cell.
-    pub(super) fn begin_round(
+    pub(super) fn find_doubt(
         &mut self,
         numbers: &Numbers,
         cells: &[CellInput],

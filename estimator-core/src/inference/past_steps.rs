@@ -3,9 +3,11 @@
 //! A step of some tenths of a per cent needs a kilometre and more until altitudes tell it from the
 //! road and the receiver; so does a load on a level road. A segment that leaves the window with its step
 //! closed therefore goes on as a candidate, and so does a stop. The filter is linear, so a step moves its
-//! state by a known response; the innovations since give its score. Source: P. de Jong and J. Penzer, "Diagnosing shocks in time series", Journal
-//! of the American Statistical Association 93:796, 1998; B. Rosenberg, "Random coefficients models",
-//! Annals of Economic and Social Measurement 2:399, 1973.
+//! state by a known response; the innovations since give its score.
+//!
+//! Source: P. de Jong and J. Penzer, "Diagnosing shocks in time series", Journal of the American
+//! Statistical Association 93:796, 1998; B. Rosenberg, "Random coefficients models", Annals of Economic
+//! and Social Measurement 2:399, 1973.
 
 use super::fixed_point::{ClosedStep, FixedPoint};
 use crate::filter::StateIndex::{self, Bias, Scale, Slope};

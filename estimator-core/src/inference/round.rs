@@ -260,7 +260,7 @@ impl<S: Scalar> Pass<S> {
 
 impl Round<'_> {
     /// Moves a state over a cell of the stretch, and leaves its record.
-    #[inline(never)]
+    #[inline(never)] // One copy: flash is small.
     pub fn step<S: Scalar>(
         &self,
         state: &mut State<S>,
@@ -294,7 +294,7 @@ impl Round<'_> {
     }
 
     /// Returns a cell with its terms.
-    #[inline(never)]
+    #[inline(never)] // One copy: flash is small.
     #[must_use]
     pub fn terms<'c, S: Scalar>(
         &self,

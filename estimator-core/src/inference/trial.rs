@@ -14,10 +14,10 @@ use crate::tuning::Numbers;
 
 impl<S: Scalar> Window<S> {
     /// Goes on with the trial if overrun is in the window, and then lets the first cells leave.
-    pub(super) fn begin_trial_or_leave(&mut self, numbers: &Numbers, leaving: usize) {
+    pub(super) fn begin_trial_or_leave(&mut self, numbers: &Numbers) {
         if self.hides_brakes() || !self.cells.iter().any(HiddenBrakes::could_be_in) {
             self.end_trial();
-            self.begin_leave(leaving);
+            self.begin_leave();
             return;
         }
         let trial = &mut self.trial;
@@ -32,14 +32,15 @@ impl<S: Scalar> Window<S> {
         let _ = trial.own.resize(self.cells.len(), CellVariances::START);
         let start = SegmentVariances::start(numbers, 1.0);
         let _ = trial.segments.resize(self.adopted.segments.len(), start);
-        self.work = Work::Trial { leaving };
-        self.trial.begin_round(numbers, &self.cells, leaving);
+        self.work = Work::Trial;
+        let leaving = self.leaving();
+        self.trial.find_doubt(numbers, &self.cells, leaving);
         self.pass = Pass::from(self.trial.committed);
     }
 
     /// Does a share of the trial. What it finds behind the lag counts.
-    pub(super) fn try_hypothesis(&mut self, numbers: &Numbers, leaving: usize) {
-        let round = self.trial.round(numbers, leaving);
+    pub(super) fn try_hypothesis(&mut self, numbers: &Numbers) {
+        let round = self.trial.round(numbers, self.leaving());
         let (cells, hidden) = (&self.cells, &mut self.hidden_brakes);
         let newest_due = cells.len().saturating_sub(LAG_CELLS);
         let due = newest_due.saturating_sub(UPDATE_CELLS)..newest_due;
@@ -56,12 +57,13 @@ impl<S: Scalar> Window<S> {
         self.pass
             .advance(&round, &mut stretch, &mut memory, SHARE_CELLS, take);
         if self.pass.is_done() {
-            self.work = Work::Decide { leaving };
+            self.work = Work::Decide;
         }
     }
 
     /// Decides, at the end of an update.
-    pub(super) fn decide(&mut self, numbers: &Numbers, leaving: usize) {
+    pub(super) fn decide(&mut self, numbers: &Numbers) {
+        let leaving = self.leaving();
         self.trial.end_round(numbers, &self.pass, leaving);
         if self.hidden_brakes.are_found() {
             core::mem::swap(&mut self.adopted, &mut self.trial);
@@ -76,7 +78,7 @@ impl<S: Scalar> Window<S> {
             }
             self.trial.drop_first(leaving);
         }
-        self.begin_leave(leaving);
+        self.begin_leave();
     }
 
     pub(super) fn end_trial(&mut self) {

@@ -36,7 +36,7 @@ impl<S: Scalar> Window<S> {
     pub(super) fn begin_update(&mut self, numbers: &Numbers, ends: bool) {
         self.work = Work::Newest { ends };
         let leaving = self.leaving();
-        self.newest_doubt = self.adopted.begin_round(numbers, &self.cells, leaving);
+        self.newest_doubt = self.adopted.find_doubt(numbers, &self.cells, leaving);
         self.pass = Pass::from(if self.recent_from == 0 {
             self.adopted.committed
         } else {
@@ -45,7 +45,7 @@ impl<S: Scalar> Window<S> {
     }
 
     /// Returns the number of cells that leave with an update: whole updates.
-    fn leaving(&self) -> usize {
+    pub(super) fn leaving(&self) -> usize {
         self.cells.len().saturating_sub(WINDOW_CELLS) / UPDATE_CELLS * UPDATE_CELLS
     }
 
@@ -57,8 +57,8 @@ impl<S: Scalar> Window<S> {
             Work::All { ends } => self.infer_all(numbers, ends),
             Work::Take { ends } => self.end_round(numbers, ends),
             Work::Finish { ends } => self.finish(numbers, ends),
-            Work::Trial { leaving } => self.try_hypothesis(numbers, leaving),
-            Work::Decide { leaving } => self.decide(numbers, leaving),
+            Work::Trial => self.try_hypothesis(numbers),
+            Work::Decide => self.decide(numbers),
             Work::Leave { at } => self.leave(numbers, at),
             Work::Drop => self.drop_first(UPDATE_CELLS),
         }
@@ -124,12 +124,12 @@ impl<S: Scalar> Window<S> {
         self.adopted.end_round(numbers, &self.pass, leaving);
     }
 
-    /// Finishes the cells whose lag is over, and drops those that leave.
+    /// Takes the newest state, and finishes the cells whose lag is over.
     fn finish(&mut self, numbers: &Numbers, ends: bool) {
         self.take_newest(self.pass.newest);
         self.keep_recent();
         let count = self.cells.len();
-        let (first, leaving) = (self.given.saturating_sub(1), self.leaving());
+        let first = self.given.saturating_sub(1);
         let due = if ends {
             count
         } else {
@@ -158,12 +158,12 @@ impl<S: Scalar> Window<S> {
         if ends {
             self.leave_all();
         } else {
-            self.begin_trial_or_leave(numbers, leaving);
+            self.begin_trial_or_leave(numbers);
         }
     }
 
-    pub(super) const fn begin_leave(&mut self, leaving: usize) {
-        self.work = if leaving > 0 {
+    pub(super) fn begin_leave(&mut self) {
+        self.work = if self.leaving() > 0 {
             Work::Leave { at: 0 }
         } else {
             Work::None
@@ -172,7 +172,7 @@ impl<S: Scalar> Window<S> {
 
     /// Takes the state before the window over a cell that leaves it, with the steps behind it. The many
     /// candidates cost more than a share of a round.
-    #[inline(never)] // Its records take room on the stack, beside the rounds not.
+    #[inline(never)] // Its record takes room on the stack, which the rounds need not have beside it.
     fn leave(&mut self, numbers: &Numbers, at: usize) {
         let round = self.adopted.round(numbers, 0);
         let stretch = Stretch {

@@ -207,7 +207,7 @@ impl<S: Scalar> Window<S> {
     }
 
     /// Takes the newest state of an update, if it is sound.
-    #[inline(never)]
+    #[inline(never)] // One copy: flash is small.
     pub(super) fn take_newest(&mut self, newest: State<S>) {
         if newest.is_sound() {
             self.newest = newest;

@@ -15,10 +15,10 @@ pub(super) enum Work {
     Take { ends: bool },
     /// The cells whose lag is over are finished.
     Finish { ends: bool },
-    /// A round of the trial, before so many cells leave.
-    Trial { leaving: usize },
+    /// A round of the trial.
+    Trial,
     /// Its end.
-    Decide { leaving: usize },
+    Decide,
     /// The cells that leave, from this one on: the state before the window goes over them.
     Leave { at: usize },
     /// They are dropped.
