@@ -55,7 +55,7 @@ run_tests() {
     cargo test "${host_packages[@]}" --lib --bins --no-fail-fast "${tests[@]}" -- --show-output 2>&1 |
         tee "$log" || status=$?
     totals "$log"
-    { grep -h '^SKIPPED' "$log" || true; } | sort -u >>"$work/notes"
+    { grep -hE '^(SKIPPED|test .* \.\.\. FAILED$)' "$log" || true; } | sort -u >>"$work/notes"
     return "$status"
 }
 
