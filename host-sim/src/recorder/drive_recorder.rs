@@ -38,7 +38,8 @@ struct OnlineGrades {
 /// Runs the estimator over one drive and stores its output.
 #[derive(Debug)]
 pub struct Recorder<S> {
-    estimator: Estimator<S>,
+    /// Not in place: recorders are moved, and threads have small stacks.
+    estimator: Box<Estimator<S>>,
     start: Option<Instant>,
     samples: PlacedSamples,
     grades: Spool<OnlineGrades, GRADES_SLOT>,
@@ -323,7 +324,7 @@ impl<S> From<Estimator<S>> for Recorder<S> {
     /// Creates a recorder of the drive that this estimator begins.
     fn from(estimator: Estimator<S>) -> Self {
         Self {
-            estimator,
+            estimator: Box::new(estimator),
             start: None,
             samples: PlacedSamples::default(),
             grades: Spool::default(),
