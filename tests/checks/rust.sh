@@ -55,7 +55,8 @@ run_tests() {
     cargo test "${host_packages[@]}" --lib --bins --no-fail-fast "${tests[@]}" -- --show-output 2>&1 |
         tee "$log" || status=$?
     totals "$log"
-    { grep -hE '^(SKIPPED|test .* \.\.\. FAILED$)' "$log" || true; } | sort -u >>"$work/notes"
+    # Failed tests; and the targets, since one that is killed names no test.
+    { grep -hE '^(SKIPPED|test .* \.\.\. FAILED$|    `-p )' "$log" || true; } | sort -u >>"$work/notes"
     return "$status"
 }
 
