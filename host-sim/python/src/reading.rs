@@ -33,6 +33,7 @@ impl Reading {
             signals: mapping(self.dbc, self.signals)?,
             interfaces: self.interfaces.unwrap_or_default(),
             stop: stop.clone(),
+            ..ReadOptions::default()
         })
     }
 }

@@ -93,6 +93,9 @@ pub fn run(args: &Args) -> Result<()> {
     let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
     let options = args.reading.inspect_options()?;
     let dbc = args.reading.own().dbc().map(Dbc::read).transpose()?;
+    if let (Some(dbc), None) = (&dbc, &options.signals) {
+        log_notes::note_left_out(dbc.path(), dbc.left_out());
+    }
     let mut counter = dbc.as_ref().map(DbcCounter::new);
     let progress = |read| bar.set_position(read);
     let (kind, census, report) = census_of(&args.log, &options, counter.as_mut(), progress)?;

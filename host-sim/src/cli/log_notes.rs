@@ -1,6 +1,7 @@
 //! What the reading of a log tells the user, on stderr.
 
 use crate::error::on_one_line;
+use crate::files::left_out::LeftOut;
 use crate::source::log_report::LogReport;
 use crate::terminal::print::note;
 use std::path::Path;
@@ -13,6 +14,9 @@ const FEW: usize = 20;
 pub fn note_report(log: &Path, report: &LogReport) {
     note_damage(log, report);
     let path = on_one_line(log);
+    for words in &report.mended {
+        note(format_args!("{path}: {words}"));
+    }
     if let Some(columns) = in_words(&report.ignored_columns) {
         note(format_args!("{path}: ignored columns: {columns}"));
     }
@@ -30,6 +34,22 @@ fn note_damage(log: &Path, report: &LogReport) {
     };
     note(format_args!("{}: {words}:", on_one_line(log)));
     for problem in &report.damage.first {
+        note(format_args!("  {problem}"));
+    }
+}
+
+/// Tells the statements that were left out of a description of the bus.
+pub fn note_left_out(path: &Path, left_out: &LeftOut) {
+    let statements = match left_out.count() {
+        0 => return,
+        1 => "1 statement".to_owned(),
+        count => format!("{count} statements"),
+    };
+    note(format_args!(
+        "{}: left out {statements}:",
+        on_one_line(path)
+    ));
+    for problem in left_out.first() {
         note(format_args!("  {problem}"));
     }
 }

@@ -1,5 +1,6 @@
 //! The options of reading, the same in every command that reads a log.
 
+use super::log_notes::note_left_out;
 use crate::error::{Error, Result};
 use crate::source::own_signals::OwnSignals;
 use crate::source::read_options::{ReadOptions, signal_named};
@@ -13,6 +14,10 @@ pub struct FrameOptions {
     /// Refuse a log with any damage. By default, damage of up to 1 % is left out and reported.
     #[arg(long)]
     strict: bool,
+    /// Read a log whose clock was set back as one drive: time goes on from there. By default, a step
+    /// back of more than 10 s is an error.
+    #[arg(long)]
+    rejoin: bool,
     /// Read only the frames of this interface; may be repeated. `roadgrade inspect` lists them.
     #[arg(long = "interface", value_name = "NAME")]
     interfaces: Vec<String>,
@@ -61,7 +66,9 @@ impl OwnOptions {
     pub fn mapping(&self) -> Result<Option<Arc<OwnSignals>>> {
         match (&self.dbc, &self.signals) {
             (Some(dbc), Some(signals)) => {
-                OwnSignals::read(dbc, signals).map(|own| Some(Arc::new(own)))
+                let own = OwnSignals::read(dbc, signals)?;
+                note_left_out(dbc, own.left_out());
+                Ok(Some(Arc::new(own)))
             }
             _ => Ok(None),
         }
@@ -86,6 +93,7 @@ impl FrameOptions {
     pub fn read_options(&self) -> ReadOptions {
         ReadOptions {
             strict: self.strict,
+            rejoin: self.rejoin,
             interfaces: self.interfaces.clone(),
             ..ReadOptions::default()
         }

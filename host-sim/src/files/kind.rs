@@ -19,8 +19,6 @@ pub const PARQUET_MAGIC: &[u8] = b"PAR1";
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Frames of a bus.
-    Candump,
-    /// Frames of a bus, in a format of Vector or PEAK.
     FrameLog(LogFormat),
     /// A table of signals.
     SignalTable,
@@ -52,6 +50,10 @@ pub enum Kind {
     OsmPbf,
     /// The same as text.
     OsmXml,
+    /// Tracks.
+    Gpx,
+    /// Shapes of a map.
+    Kml,
     /// JSON of any content.
     Json,
     /// Parquet of any content.
@@ -61,7 +63,7 @@ pub enum Kind {
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Candump => "a candump log",
+            Self::FrameLog(LogFormat::Candump) => "a candump log",
             Self::FrameLog(LogFormat::Asc) => "a Vector ASC log",
             Self::FrameLog(LogFormat::Trc) => "a PEAK TRC log",
             Self::FrameLog(LogFormat::Blf) => "a Vector BLF log",
@@ -82,7 +84,9 @@ impl fmt::Display for Kind {
             Self::PackedMap => "a packed map (of `roadgrade pack`)",
             Self::RoadMemory => "a road memory (of `roadgrade estimate --memory`)",
             Self::OsmPbf => "an OpenStreetMap extract (.osm.pbf)",
-            Self::OsmXml => "OpenStreetMap XML (`osmium cat` makes an extract, .osm.pbf, of it)",
+            Self::OsmXml => "OpenStreetMap XML",
+            Self::Gpx => "a GPX file",
+            Self::Kml => "a KML file",
             Self::Json => "a JSON file",
             Self::Parquet => "a Parquet file",
         })
@@ -122,10 +126,12 @@ pub fn of(path: &Path) -> Option<Kind> {
         Some(Kind::Sums)
     } else if text.starts_with('<') && text.contains("<osm") {
         Some(Kind::OsmXml)
-    } else if text.starts_with('{') {
+    } else if text.starts_with('<') && text.contains("<gpx") {
+        Some(Kind::Gpx)
+    } else if text.starts_with('<') && text.contains("<kml") {
+        Some(Kind::Kml)
+    } else if text.starts_with(['{', '\u{1e}']) {
         Some(Kind::Json)
-    } else if text.starts_with('(') {
-        Some(Kind::Candump)
     } else {
         of_tables(text).or_else(|| of_columns(text.lines().next()?))
     }

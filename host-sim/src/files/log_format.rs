@@ -1,8 +1,12 @@
 //! The format of a recording of a bus, by its first bytes.
 
+use std::path::Path;
+
 /// A format that its first bytes tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LogFormat {
+    /// Either layout of candump.
+    Candump,
     /// Vector's text format.
     Asc,
     /// PEAK's text format.
@@ -23,7 +27,7 @@ pub(crate) const BLF_MAGIC: &[u8] = b"LOGG";
 const MDF_MAGIC: [&[u8]; 2] = [b"MDF     4", b"UnFinMF 4"];
 
 /// Formats that are not read: first bytes, and what to tell the user.
-const FOREIGN: [(&[u8], &str); 11] = [
+const FOREIGN: [(&[u8], &str); 12] = [
     (b"PK\x03\x04", "is a zip archive; unpack it first"),
     (b"BZh", "is compressed with bzip2; unpack it first"),
     (b"\xfd7zXZ\0", "is compressed with xz; unpack it first"),
@@ -35,8 +39,13 @@ const FOREIGN: [(&[u8], &str); 11] = [
     (b"\xa1\xb2\xc3\xd4", PCAP),
     (b"\x4d\x3c\xb2\xa1", PCAP),
     (b"\x0a\x0d\x0d\x0a", PCAP),
+    (b"Generic File", CANEDGE),
 ];
 
+/// Extensions of recordings of a CANedge that are compressed, encrypted, or both.
+const PACKED_CANEDGE: [&str; 3] = ["mfc", "mfe", "mfm"];
+const CANEDGE: &str = "is a compressed or encrypted recording of a CANedge (.MFC, .MFE, .MFM), which is \
+                       not read; `mdf2finalized` of CSS Electronics makes .MF4 of it";
 const MDF_3: &str =
     "is a recording in ASAM MDF 3, which is not read; `asammdf` exports signals as .csv";
 const SQLITE: &str = "is an SQLite database, which is not read; convert a log of python-can with its \
@@ -44,8 +53,12 @@ const SQLITE: &str = "is an SQLite database, which is not read; convert a log of
 const PCAP: &str = "is a packet capture (PCAP), which is not read; expected a log such as `candump -l` \
                     writes, or .asc, .trc, .blf or .mf4";
 
-/// Returns the format of a file that begins with these bytes; `None` if they do not tell. A candump
-/// log has no header, and a table has the one of its columns.
+/// The formats of logs, for a file of none of them.
+pub(crate) const KNOWN: &str = "candump, Vector ASC and BLF, PEAK TRC, ASAM MDF 4, the CSV of SavvyCAN and \
+                                python-can, and signal tables with a column time_s";
+
+/// Returns the format of a file that begins with these bytes; `None` if they do not tell. Of a text, it
+/// is the one that most lines are of: a log may begin with comments or events.
 #[must_use]
 pub fn format_of(head: &[u8]) -> Option<LogFormat> {
     if head.starts_with(BLF_MAGIC) {
@@ -55,45 +68,96 @@ pub fn format_of(head: &[u8]) -> Option<LogFormat> {
         return Some(LogFormat::Mdf);
     }
     let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
-    let text = text.trim_ascii_start();
-    let line = text.split(|byte| *byte == b'\n').next()?;
-    if line.starts_with(b";") {
-        return Some(LogFormat::Trc);
+    let mut votes: Vec<(LogFormat, usize)> = Vec::new();
+    for line in text.split(|byte| *byte == b'\n') {
+        let Some(format) = format_of_line(line.trim_ascii()) else {
+            continue;
+        };
+        let is_header = matches!(format, LogFormat::SavvyCan | LogFormat::PythonCan);
+        if is_header && votes.is_empty() {
+            return Some(format);
+        }
+        match votes.iter_mut().find(|(known, _)| *known == format) {
+            Some((_, count)) => *count += 1,
+            None => votes.push((format, 1)),
+        }
     }
+    // Of two with as many, the first one.
+    let most = votes.iter().rev().max_by_key(|(_, count)| *count);
+    most.map(|(format, _)| *format)
+}
+
+/// Returns the format whose line this is, if it is of one alone.
+fn format_of_line(line: &[u8]) -> Option<LogFormat> {
     let begins = |word: &[u8]| {
         line.get(..word.len())
             .is_some_and(|start| start.eq_ignore_ascii_case(word))
     };
+    match line {
+        [b';', ..] => return Some(LogFormat::Trc),
+        [b'(', b'0'..=b'9' | b'-', ..] => return Some(LogFormat::Candump),
+        _ => {}
+    }
     if begins(b"time stamp,id,extended,") {
         return Some(LogFormat::SavvyCan);
     }
     if begins(b"timestamp,arbitration_id,") {
         return Some(LogFormat::PythonCan);
     }
-    // The header of a table may begin with a column `date`.
-    let is_asc = begins(b"//")
-        || begins(b"base hex")
-        || begins(b"base dec")
-        || begins(b"begin trigger")
-        || (begins(b"date ") && !line.contains(&b','))
-        || is_asc_frame(line);
-    is_asc.then_some(LogFormat::Asc)
+    let headers = [
+        &b"//"[..],
+        b"base hex",
+        b"base dec",
+        b"begin trigger",
+        b"end trigger",
+        b"internal events",
+        b"no internal events",
+    ];
+    if headers.into_iter().any(begins) || (begins(b"date ") && is_date(line)) || is_asc_line(line) {
+        return Some(LogFormat::Asc);
+    }
+    let number_end = line.iter().position(|byte| !byte.is_ascii_digit())?;
+    let is_trc = number_end > 0 && line.get(number_end..)?.starts_with(b") ");
+    is_trc.then_some(LogFormat::Trc)
 }
 
-/// Returns true for a line such as `0.001000 1  CF00400x  Rx  d 8 01 …`: an ASC log without header.
-fn is_asc_frame(line: &[u8]) -> bool {
-    let mut words = line
-        .split(u8::is_ascii_whitespace)
-        .filter(|word| !word.is_empty());
-    let is_number = |word: &[u8]| {
-        word.iter()
-            .all(|byte| byte.is_ascii_digit() || *byte == b'.')
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let words = line.split(u8::is_ascii_whitespace);
+    words.filter(|word| !word.is_empty())
+}
+
+/// Returns true for a line such as `date Sun Nov 22 10:00:00.000 am 2026`.
+fn is_date(line: &[u8]) -> bool {
+    let is_time = |word: &[u8]| word.iter().filter(|byte| **byte == b':').count() == 2;
+    words(line).count() >= 5 && words(line).any(is_time)
+}
+
+/// Returns true for a line such as `0.001000 1  CF00400x  Rx  d 8 01 …`, or an event of ASC.
+fn is_asc_line(line: &[u8]) -> bool {
+    let mut words = words(line);
+    let (Some(time), Some(channel), Some(what)) = (words.next(), words.next(), words.next()) else {
+        return false;
     };
-    let (time, channel, _id) = (words.next(), words.next(), words.next());
-    time.is_some_and(|word| is_number(word) && word.contains(&b'.'))
-        && channel.is_some_and(is_number)
-        && matches!(words.next(), Some(b"Rx" | b"Tx"))
-        && matches!(words.next(), Some(b"d" | b"r"))
+    let digits = time.strip_prefix(b"-").unwrap_or(time);
+    let is_point = |byte: &u8| matches!(byte, b'.' | b',');
+    let points = digits.iter().filter(|byte| is_point(byte)).count();
+    let is_time = points == 1
+        && digits
+            .iter()
+            .all(|byte| byte.is_ascii_digit() || is_point(byte));
+    let direction = words.next();
+    // Neither of a number nor of the mark behind an identifier.
+    let is_of_word = |byte: &u8| {
+        byte.is_ascii_alphabetic() && !matches!(byte.to_ascii_lowercase(), b'a'..=b'f' | b'x')
+    };
+    is_time
+        && match channel {
+            b"CANFD" | b"CANXL" | b"CAN" | b"Start" => true,
+            number if number.iter().all(u8::is_ascii_digit) => {
+                matches!(direction, Some(b"Rx" | b"Tx" | b"TxRq")) || what.iter().any(is_of_word)
+            }
+            _ => false,
+        }
 }
 
 /// Returns what to tell the user of a file that begins with these bytes, if they tell a format that
@@ -102,4 +166,14 @@ fn is_asc_frame(line: &[u8]) -> bool {
 pub fn foreign(head: &[u8]) -> Option<&'static str> {
     let known = FOREIGN.iter().find(|(magic, _)| head.starts_with(magic));
     known.map(|(_, advice)| *advice)
+}
+
+/// Returns what to tell the user of a file whose name tells a format that is not read.
+#[must_use]
+pub fn foreign_by_name(path: &Path) -> Option<&'static str> {
+    let extension = path.extension()?.to_str()?;
+    let is_packed = PACKED_CANEDGE
+        .iter()
+        .any(|known| extension.eq_ignore_ascii_case(known));
+    is_packed.then_some(CANEDGE)
 }

@@ -8,6 +8,7 @@ mod flaw;
 pub mod geo_parquet;
 pub mod kept;
 pub mod kind;
+pub mod left_out;
 pub mod limits;
 pub mod lock;
 pub mod log_format;

@@ -35,8 +35,12 @@ pub struct Census {
     pub remote_frames: u64,
     /// CAN FD frames; they are skipped.
     pub can_fd_frames: u64,
+    /// CAN XL frames; they are skipped.
+    pub can_xl_frames: u64,
     /// Bus errors that the interface reported; they are skipped.
     pub bus_errors: u64,
+    /// Records that their file marks as invalid; they are skipped.
+    pub invalid_records: u64,
     /// Decoded signals, in the order of [`Signal`], then by source address.
     pub signals: Vec<SignalCount>,
 }
@@ -344,7 +348,9 @@ impl BusCounter {
                 .collect(),
             remote_frames: self.remote,
             can_fd_frames: skipped.can_fd,
+            can_xl_frames: skipped.can_xl,
             bus_errors: skipped.bus_errors,
+            invalid_records: skipped.invalid,
             signals: self
                 .signals
                 .into_iter()

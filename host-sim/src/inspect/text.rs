@@ -56,7 +56,12 @@ fn overview(out: &mut String, head: &str, census: &Census) {
     for (count, what) in [
         (census.remote_frames, "remote frames"),
         (census.can_fd_frames, "CAN FD frames, left out"),
+        (census.can_xl_frames, "CAN XL frames, left out"),
         (census.bus_errors, "bus errors, left out"),
+        (
+            census.invalid_records,
+            "records that the file marks as invalid, left out",
+        ),
         (
             unusable,
             "frames of decoded messages unusable: too short, remote, or a fast packet with a hole",

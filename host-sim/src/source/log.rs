@@ -9,7 +9,7 @@ use super::read_options::ReadOptions;
 use super::signal_table::SignalTableReader;
 use crate::error::{Error, Result};
 use crate::files::kind::PARQUET_MAGIC;
-use crate::files::log_format::{foreign, format_of};
+use crate::files::log_format::{foreign, foreign_by_name, format_of};
 use std::path::Path;
 
 /// The column that every signal table has.
@@ -40,10 +40,11 @@ impl Log {
             let table = ParquetTable::open(path, &options.ignore, options.strict)?;
             return Ok(Self::Parquet(Box::new(table)));
         }
-        if let Some(advice) = foreign(head) {
+        let format = format_of(head);
+        let by_extension = format.is_none().then(|| foreign_by_name(path)).flatten();
+        if let Some(advice) = foreign(head).or(by_extension) {
             return Err(Error::content(path, advice));
         }
-        let format = format_of(head);
         let is_table = by_name == LogKind::SignalTable || is_header_of_table(head);
         if format.is_none() && is_table {
             let mut table = SignalTableReader::new(file, options.strict)?;
@@ -61,11 +62,13 @@ impl Log {
             Self::Frames(frames) => frames.report(),
             Self::Table(table) => LogReport {
                 damage: table.damage().clone(),
+                mended: table.mended(),
                 ignored_columns: table.ignored_columns().to_vec(),
                 ..LogReport::default()
             },
             Self::Parquet(table) => LogReport {
                 damage: table.damage().clone(),
+                mended: table.mended(),
                 ignored_columns: table.ignored_columns().to_vec(),
                 ..LogReport::default()
             },

@@ -14,6 +14,9 @@ pub struct LogReport {
     /// Time of the first frame, if the log has absolute times, as `2026-11-22T10:00:00.000000Z`.
     /// ASC, TRC, BLF and `candump -t A` have the time of the logger's clock, whatever its time zone.
     pub start_utc: Option<String>,
+    /// What was mended of the times of the log, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub mended: Vec<String>,
     /// Columns of a signal table that are not ours.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ignored_columns: Vec<String>,

@@ -26,6 +26,8 @@ pub mod signal_source;
 pub mod signal_table;
 #[cfg(target_os = "linux")]
 pub mod socketcan;
+mod table_clock;
 pub mod terrain;
+mod terrain_tiles;
 
 pub mod ztbus;

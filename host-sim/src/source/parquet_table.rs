@@ -1,7 +1,8 @@
 //! Signal tables as Parquet: `time_s` and one column per signal; null and NaN are missing.
 
 use super::damage::{Damage, DamageCheck};
-use super::signal_table::{LATEST_S, SignalRow, TIME, checked};
+use super::signal_table::{SignalRow, TIME, checked};
+use super::table_clock::{EXPECTED, NoTime, TableClock};
 use crate::error::{Error, Result};
 use crate::files::parquet::{NumberBatches, open};
 use estimator_core::{Instant, Reading, Signal};
@@ -18,7 +19,7 @@ pub struct ParquetTable {
     next: usize,
     /// Rows so far, with the damaged ones.
     row: u64,
-    newest: Instant,
+    clock: TableClock,
     readings: Vec<Reading>,
     damage: DamageCheck,
 }
@@ -58,7 +59,7 @@ impl ParquetTable {
             batch: Vec::new(),
             next: 0,
             row: 0,
-            newest: Instant::ZERO,
+            clock: TableClock::default(),
             readings: Vec::new(),
             damage: DamageCheck::new(is_strict),
         })
@@ -73,6 +74,12 @@ impl ParquetTable {
     #[must_use]
     pub fn ignored_columns(&self) -> &[String] {
         &self.ignored
+    }
+
+    /// Returns what was mended of the times, in words.
+    #[must_use]
+    pub fn mended(&self) -> Vec<String> {
+        self.clock.mended()
     }
 
     /// Returns what was left out so far.
@@ -105,7 +112,7 @@ impl ParquetTable {
             self.next += 1;
             match self.parse(row) {
                 Ok(time) => {
-                    self.newest = time;
+                    self.clock.take(time);
                     return Ok(Some(SignalRow {
                         time,
                         readings: &self.readings,
@@ -121,25 +128,18 @@ impl ParquetTable {
 
     /// Reads the values of a row of the batch.
     fn parse(&mut self, row: usize) -> Result<Instant> {
-        let finite = |values: &Vec<Option<f64>>| values[row].filter(|value| value.is_finite());
-        let seconds = self.batch.first().and_then(finite);
-        let seconds = seconds.filter(|seconds| (0.0..LATEST_S).contains(seconds));
-        let Some(seconds) = seconds else {
-            return Err(self.error(TIME, "seconds from 0 to 4e9"));
-        };
-        let time = Instant::from_micros((seconds * 1e6).round() as u64);
-        if time < self.newest {
-            return Err(self.error(
-                "time_s, which runs backwards,",
-                "times that do not decrease",
-            ));
-        }
+        let time = self.clock.time(self.seconds(row));
+        let time = time.map_err(|problem| match problem {
+            NoTime::Wrong => self.error("time_s is wrong", EXPECTED),
+            NoTime::Backwards(problem) => self.error(&problem, "times that do not decrease"),
+        })?;
         self.readings.clear();
         for (signal, values) in self.signals.iter().zip(&self.batch[1..]) {
             let number = values[row].filter(|value| !value.is_nan());
             if number.is_some() {
-                let value = checked(*signal, number)
-                    .map_err(|expected| self.error(signal.column(), expected))?;
+                let value = checked(*signal, number).map_err(|expected| {
+                    self.error(&format!("{} is wrong", signal.column()), expected)
+                })?;
                 self.readings.push(Reading {
                     signal: *signal,
                     value,
@@ -147,6 +147,12 @@ impl ParquetTable {
             }
         }
         Ok(time)
+    }
+
+    /// Returns the time of a row of the batch, s.
+    fn seconds(&self, row: usize) -> Option<f64> {
+        let seconds = *self.batch.first()?.get(row)?;
+        seconds.filter(|seconds| seconds.is_finite())
     }
 
     fn end(&mut self) -> Result<()> {
@@ -160,7 +166,7 @@ impl ParquetTable {
     }
 
     fn error(&self, what: &str, expected: &str) -> Error {
-        let problem = format!("row {}: {what} is wrong; expected {expected}", self.row);
+        let problem = format!("row {}: {what}; expected {expected}", self.row);
         Error::content(self.batches.path(), problem)
     }
 }

@@ -10,6 +10,8 @@ use std::sync::Arc;
 pub struct ReadOptions {
     /// Refuse a log with any damage, instead of one with more than 1 %.
     pub strict: bool,
+    /// Read a log whose clock was set back as one drive.
+    pub rejoin: bool,
     /// Read the frames of these interfaces only; of all if there is none.
     pub interfaces: Vec<String>,
     /// Leave out these signals, as if the bus did not have them.

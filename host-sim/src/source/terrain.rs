@@ -5,8 +5,8 @@
 //! posts are 90 m (3 arc seconds) or 30 m apart. The data show the trend of a road, but not its
 //! details.
 
+use super::terrain_tiles::{Corner, read_unpacked, tiles_in};
 use crate::error::{Error, Result};
-use crate::files::limits::read_bytes;
 use srtm_reader::{Coord, Resolution, Tile};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,22 +14,23 @@ use std::path::{Path, PathBuf};
 /// Values of posts without a measurement: in the data set, and in some filled versions.
 const VOIDS: [i16; 2] = [i16::MIN, -9999];
 
-/// Bytes of the finest tile.
-const MOST_BYTES: u64 = 2 * 3601 * 3601;
-
 /// A folder of SRTM tiles, each read at its first use.
 #[derive(Debug)]
 pub struct Terrain {
     folder: PathBuf,
-    tiles: BTreeMap<(i8, i16), Tile>,
+    /// The files in it, from the first use on.
+    files: Option<BTreeMap<Corner, PathBuf>>,
+    tiles: BTreeMap<Corner, Tile>,
 }
 
 impl Terrain {
-    /// Creates a reader of the tiles in `folder`, named as NASA names them (`N47E008.hgt`).
+    /// Creates a reader of the tiles in `folder`, named as NASA names them (`N47E008.hgt`), or with a word
+    /// behind the place (`N47E008.SRTMGL1.hgt`); also in folders in it, and as .gz or .zip.
     #[must_use]
     pub fn new(folder: &Path) -> Self {
         Self {
             folder: folder.to_owned(),
+            files: None,
             tiles: BTreeMap::new(),
         }
     }
@@ -50,7 +51,19 @@ impl Terrain {
     fn tile(&mut self, place: Coord) -> Result<&Tile> {
         let corner = place.floor();
         if !self.tiles.contains_key(&corner) {
-            let tile = read_tile(&self.folder.join(place.get_filename()), corner)?;
+            let files = match self.files.take() {
+                Some(files) => files,
+                None => tiles_in(&self.folder)?,
+            };
+            let file = self.files.insert(files).get(&corner);
+            let file = file.ok_or_else(|| {
+                let name = place.get_filename();
+                let problem = format!(
+                    "no tile {name}; expected it there, or in a folder there, also as .gz or .zip"
+                );
+                Error::content(&self.folder, problem)
+            })?;
+            let tile = read_tile(file, corner)?;
             self.tiles.insert(corner, tile);
         }
         Ok(&self.tiles[&corner])
@@ -58,7 +71,7 @@ impl Terrain {
 }
 
 fn read_tile(path: &Path, (latitude, longitude): (i8, i16)) -> Result<Tile> {
-    let bytes = read_bytes(path, MOST_BYTES)?;
+    let bytes = read_unpacked(path)?;
     let wrong_size = || {
         Error::content(
             path,

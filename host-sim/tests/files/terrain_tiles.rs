@@ -110,3 +110,75 @@ fn a_tile_of_another_size_is_named() {
         "{error}"
     );
 }
+
+#[test]
+fn tiles_are_found_in_folders_under_other_names_and_packed() {
+    use flate2::Compression;
+    use flate2::write::{DeflateEncoder, GzEncoder};
+    use std::io::Write;
+    let plain = tempfile::tempdir().unwrap();
+    let tile = plain.path().join("N47E008.hgt");
+    write_tile(&tile, |row, column| (row + column) as i16);
+    let bytes = fs::read(&tile).unwrap();
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::fast());
+    gzip.write_all(&bytes).unwrap();
+    let gzip = gzip.finish().unwrap();
+    let mut deflated = DeflateEncoder::new(Vec::new(), Compression::fast());
+    deflated.write_all(&bytes).unwrap();
+    let deflated = deflated.finish().unwrap();
+    let entry = |name: &str, method: u16, content: &[u8]| {
+        let mut header = b"PK\x03\x04".to_vec();
+        header.extend([20, 0, 0, 0]);
+        header.extend(method.to_le_bytes());
+        header.extend([0; 8]);
+        header.extend((content.len() as u32).to_le_bytes());
+        header.extend((bytes.len() as u32).to_le_bytes());
+        header.extend((name.len() as u16).to_le_bytes());
+        header.extend([0; 2]);
+        [&header[..], name.as_bytes(), content].concat()
+    };
+    let zip = [
+        entry("readme.txt", 0, b"words"),
+        entry("N47E008.hgt", 8, &deflated),
+    ]
+    .concat();
+    let stored = entry("N47E008.hgt", 0, &bytes);
+    for (name, content) in [
+        ("N47/N47E008.hgt", &bytes),
+        ("a/b/N47E008.hgt", &bytes),
+        ("n47e008.hgt", &bytes),
+        ("N47E008.HGT", &bytes),
+        ("N47E008.SRTMGL1.hgt", &bytes),
+        ("N47E008.hgt.gz", &gzip),
+        ("N47/N47E008.hgt.gz", &gzip),
+        ("N47E008.SRTMGL1.hgt.zip", &zip),
+        ("N47E008.hgt.zip", &stored),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(&path, content).unwrap();
+        // Not the tile.
+        fs::write(folder.path().join("N47E008.hgt.aux.xml"), "x").unwrap();
+        let (lat, lon) = position((47.0, 8.0), 600.5, 17.25);
+        let altitude_m = Terrain::new(folder.path()).altitude_m(lat, lon).unwrap();
+        assert!(
+            altitude_m.is_some_and(|m| (m - 617.75).abs() < 1e-6),
+            "{name}"
+        );
+    }
+    for (name, content) in [
+        ("N47E008.hgt.gz", &gzip[..gzip.len() / 2]),
+        ("N47E008.hgt.zip", &zip[..100]),
+        ("N47E008.hgt.zip", &entry("readme.txt", 0, b"words")[..]),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join(name), content).unwrap();
+        let error = Terrain::new(folder.path()).altitude_m(47.5, 8.5);
+        let error = error.unwrap_err().to_string();
+        assert!(
+            error.contains(name) && error.contains("is damaged"),
+            "{error}"
+        );
+    }
+}

@@ -13,6 +13,7 @@ mod osm_networks;
 mod packed;
 mod parquet;
 mod placed;
+mod road_formats;
 mod road_line;
 mod sessions;
 mod shared_errors;

@@ -2,7 +2,7 @@
 
 use assert_cmd::assert::Assert;
 use host_sim::files::run::{self, RunRow};
-use host_sim::map::read_map_ways;
+use host_sim::map::{read_map_ways, read_network};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
@@ -41,6 +41,10 @@ fn drives(folder: &Path) {
     }
     let back = run(&with_position_noise(&reversed(&spots), 3.0, 80.0, 9));
     save_run(folder, "back.csv", &back);
+}
+
+fn length_m(way: &host_sim::map::Way) -> f64 {
+    way.line.end_m()
 }
 
 #[test]
@@ -346,98 +350,31 @@ fn names_and_directions_are_found_where_exports_have_them() {
 }
 
 #[test]
-fn bad_networks_are_refused_with_file_and_feature() {
+fn a_file_that_is_no_network_is_refused_with_what_was_expected() {
     let folder = folder();
     let at = folder.path();
     drives(at);
     let good = way("a", "yes", &hills());
-    let with = |change: &dyn Fn(&mut Value)| {
-        let mut bad = way("b", "yes", &hills());
-        change(&mut bad);
-        collection(&[good.clone(), bad])
-    };
-    let line =
-        |coordinates: Value| with(&move |way| way["geometry"]["coordinates"] = coordinates.clone());
     let whole = collection(std::slice::from_ref(&good));
     for (text, expected) in [
         (String::new(), "net.geojson:1: EOF"),
         (whole[..whole.len() / 2].to_owned(), "net.geojson:1: EOF"),
+        (whole.clone() + "{", "net.geojson:1: EOF"),
         (
             "way,distance_m\n".to_owned(),
             "net.geojson:1: expected value",
         ),
         ("[]".to_owned(), "expected a GeoJSON FeatureCollection"),
-        (good.to_string(), "missing field `features`"),
+        (
+            json!({"type": "FeatureCollection"}).to_string(),
+            "missing field `features`",
+        ),
+        (json!({"features": []}).to_string(), "missing field `type`"),
         (
             json!({"type": "Topology", "features": []}).to_string(),
             "type \"Topology\"; expected FeatureCollection",
         ),
         (collection(&[]), "no features; expected LineStrings"),
-        (collection(&[json!(5)]), "feature 1: "),
-        (
-            collection(&[good.clone(), json!({"type": "Feature"})]),
-            "feature 2: ",
-        ),
-        (
-            with(&|way| way["properties"] = json!({})),
-            "feature 2: no name; expected a property",
-        ),
-        (
-            with(&|way| way["properties"]["way"] = json!(["b"])),
-            "feature 2: way is [\"b\"]; expected a text or a number",
-        ),
-        (
-            with(&|way| way["properties"]["way"] = json!("")),
-            "feature 2: way is \"\"",
-        ),
-        (
-            with(&|way| way["properties"]["way"] = json!("a")),
-            "feature 2: way a: same name as feature 1; expected unique names",
-        ),
-        (
-            with(&|way| way["properties"]["oneway"] = json!("perhaps")),
-            "feature 2: way b: oneway is \"perhaps\"; expected yes, no or -1",
-        ),
-        (
-            with(&|way| way["geometry"] = Value::Null),
-            "feature 2: way b: no geometry; expected a LineString",
-        ),
-        (
-            with(&|way| {
-                way["geometry"] = json!({"type": "Point", "coordinates": [8.0, 47.0]});
-            }),
-            "feature 2: way b: a Point; expected a LineString",
-        ),
-        (
-            with(&|way| {
-                let line = way["geometry"]["coordinates"].clone();
-                way["geometry"] = json!({"type": "MultiLineString", "coordinates": [line, line]});
-            }),
-            "feature 2: way b: a MultiLineString of 2 parts",
-        ),
-        (
-            line(json!([])),
-            "feature 2: way b: 0 position(s) that differ",
-        ),
-        (
-            line(json!([[8.5, 47.4], [8.5, 47.4]])),
-            "feature 2: way b: 1 position(s) that differ",
-        ),
-        (line(json!([[8.5, 47.4], [8.5]])), "feature 2: "),
-        (line(json!([[8.5, 47.4], ["8.5", 47.4]])), "feature 2: "),
-        (
-            // Latitude first.
-            line(json!([[8.5, 47.4], [8.5, 97.4]])),
-            "feature 2: way b: position 2: latitude_deg is 97.4; expected degrees",
-        ),
-        (
-            line(json!([[8.5, 47.4], [190.0, 47.4]])),
-            "feature 2: way b: position 2: longitude_deg is 190",
-        ),
-        (
-            line(json!([[8.5, 47.4], [20.0, 47.4]])),
-            "feature 2: way b: point 0 is over 300 km from the middle",
-        ),
     ] {
         std::fs::write(at.join("net.geojson"), &text).expect("written");
         fuse(at, &["--out", "map.csv", "--road", "net.geojson", "0.csv"])
@@ -451,4 +388,150 @@ fn bad_networks_are_refused_with_file_and_feature() {
         .failure()
         .code(1)
         .stderr(contains("none.geojson: "));
+}
+
+#[test]
+fn a_bad_feature_costs_itself_alone() {
+    let folder = folder();
+    let path = folder.path().join("net.geojson");
+    let good = way("a", "yes", &hills());
+    let with = |change: &dyn Fn(&mut Value)| {
+        let mut bad = way("b", "yes", &hills());
+        change(&mut bad);
+        bad
+    };
+    let line =
+        |coordinates: Value| with(&move |way| way["geometry"]["coordinates"] = coordinates.clone());
+    for (bad, expected) in [
+        (json!(5), ": "),
+        (json!({"type": "Feature"}), ": "),
+        (
+            with(&|way| way["properties"]["way"] = json!(["b"])),
+            ": way is [\"b\"]; expected a text or a number",
+        ),
+        (
+            with(&|way| way["properties"]["way"] = json!("")),
+            ": way is \"\"",
+        ),
+        (
+            with(&|way| way["properties"]["oneway"] = json!("perhaps")),
+            ": way b: oneway is \"perhaps\"; expected yes, no or -1",
+        ),
+        (
+            with(&|way| way["geometry"] = Value::Null),
+            ": way b: no geometry; expected a LineString",
+        ),
+        (
+            with(&|way| {
+                way["geometry"] = json!({"type": "Point", "coordinates": [8.0, 47.0]});
+            }),
+            ": way b: a Point; expected a LineString",
+        ),
+        (line(json!([])), ": way b: 0 position(s) that differ"),
+        (
+            line(json!([[8.5, 47.4], [8.5, 47.4]])),
+            ": way b: 1 position(s) that differ",
+        ),
+        (line(json!([[8.5, 47.4], [8.5]])), ": "),
+        (line(json!([[8.5, 47.4], ["8.5", 47.4]])), ": "),
+        (
+            // Latitude first.
+            line(json!([[8.5, 47.4], [8.5, 97.4]])),
+            ": way b: position 2: latitude_deg is 97.4; expected degrees",
+        ),
+        (
+            line(json!([[8.5, 47.4], [190.0, 47.4]])),
+            ": way b: position 2: longitude_deg is 190",
+        ),
+        (
+            line(json!([[8.5, 47.4], [20.0, 47.4]])),
+            ": way b: point 0 is over 300 km from the middle",
+        ),
+    ] {
+        for (features, place) in [
+            ([good.clone(), bad.clone()], "feature 2"),
+            ([bad.clone(), good.clone()], "feature 1"),
+        ] {
+            std::fs::write(&path, collection(&features)).expect("written");
+            let network = read_network(&path).expect(expected);
+            let names: Vec<_> = network.ways().iter().map(|way| way.name.as_ref()).collect();
+            assert_eq!(names.len(), 1, "{expected}");
+            assert_eq!(names[0].expect("a name").way, "a");
+            // Alone, it is the error.
+            std::fs::write(&path, collection(std::slice::from_ref(&bad))).expect("written");
+            let problem = read_network(&path).expect_err(expected).to_string();
+            let words = format!("net.geojson: feature 1{expected}");
+            assert!(problem.contains(&words), "{place}: {problem}");
+        }
+    }
+}
+
+#[test]
+fn what_is_left_out_is_counted_and_told() {
+    let folder = folder();
+    let at = folder.path();
+    drives(at);
+    let point = json!({"type": "Feature", "properties": {"way": "node/3"},
+                       "geometry": {"type": "Point", "coordinates": [8.0, 47.0]}});
+    let mut features = three(&hills());
+    features.splice(1..1, vec![point; 7]);
+    save(&at.join("net.geojson"), &features);
+    fuse(at, &["--out", "map.csv", "--road", "net.geojson", "0.csv"])
+        .success()
+        .stderr(
+            contains("net.geojson: left out 7 objects that are no ways:")
+                .and(contains(
+                    "  feature 2: way node/3: a Point; expected a LineString",
+                ))
+                .and(contains("feature 6: way node/3"))
+                .and(contains("feature 7: ").not()),
+        );
+}
+
+#[test]
+fn ways_of_several_parts_and_of_one_name_are_kept() {
+    let folder = folder();
+    let path = folder.path().join("net.geojson");
+    let names = |features: &[Value]| {
+        save(&path, features);
+        let network = read_network(&path).expect("a network");
+        let name = |way: &host_sim::map::Way| {
+            let name = way.name.as_ref().expect("a name");
+            (name.to_string(), (length_m(way) / 10.0).round() as usize)
+        };
+        network.ways().iter().map(name).collect::<Vec<_>>()
+    };
+    let spots = hills();
+    let line =
+        |from: usize, to: usize| way("x", "", &spots[from..=to])["geometry"]["coordinates"].clone();
+    let of = |name: &str, parts: Vec<Value>| {
+        json!({"type": "Feature", "properties": {"way": name, "oneway": "yes"},
+               "geometry": {"type": "MultiLineString", "coordinates": parts}})
+    };
+    // Parts that touch, in any order, are one way.
+    for parts in [
+        vec![line(0, 800), line(800, 1600)],
+        vec![line(800, 1600), line(0, 800)],
+    ] {
+        assert_eq!(names(&[of("a", parts)]), [("a forward".to_owned(), 400)]);
+    }
+    // Others are ways of their own, and an empty one is none.
+    let apart = vec![line(0, 400), json!([]), line(800, 1600)];
+    let expected = [
+        ("a forward".to_owned(), 100),
+        ("a#2 forward".to_owned(), 200),
+    ];
+    assert_eq!(names(&[of("a", apart)]), expected);
+    // Pieces of one name, as routable networks have them; the same piece twice is one.
+    let pieces = [
+        of("a", vec![line(0, 400)]),
+        of("a", vec![line(800, 1600)]),
+        of("a", vec![line(0, 400)]),
+    ];
+    assert_eq!(names(&pieces), expected);
+    // Without a name, a way has the number of its feature.
+    let mut nameless = of("a", vec![line(0, 400)]);
+    nameless["properties"] = json!({"oneway": "yes"});
+    let expected = [("feature 1 forward".to_owned(), 100)];
+    assert_eq!(names(&[nameless]), expected);
 }

@@ -204,19 +204,12 @@ fn what_is_no_network_is_refused_with_what_was_expected() {
             "no roads; expected ways with a highway for vehicles",
         ),
         (
-            with(&place, &[(5, vec![1, 2, 3], &PRIMARY)]),
-            "way 5: no node 3; expected an extract with complete ways",
+            with(&place, &[(5, vec![1, 3], &PRIMARY)]),
+            "way/5: no node 3; expected an extract with complete ways",
         ),
         (
             with(&place, &[(5, vec![1, 1], &PRIMARY)]),
-            "way 5: fewer than two nodes; expected a line",
-        ),
-        (
-            with(
-                &place,
-                &[(5, vec![1, 2], &PRIMARY), (5, vec![2, 1], &PRIMARY)],
-            ),
-            "way/5 is there twice; expected unique ways",
+            "way/5: fewer than two nodes; expected a line",
         ),
         (
             with(
@@ -234,11 +227,11 @@ fn what_is_no_network_is_refused_with_what_was_expected() {
                     &[("highway", "primary"), ("oneway", "maybe")],
                 )],
             ),
-            "way 5: oneway is \"maybe\"; expected yes, no or -1",
+            "way/5: oneway is \"maybe\"; expected yes, no or -1",
         ),
         (
             b"<?xml version='1.0'?>\n<osm version=\"0.6\"></osm>".to_vec(),
-            "is OpenStreetMap XML",
+            "no roads; expected ways with a highway for vehicles",
         ),
         (
             b"distance_m,latitude_deg,longitude_deg\n".to_vec(),
@@ -264,4 +257,60 @@ fn what_is_no_network_is_refused_with_what_was_expected() {
         .stderr(contains(
             "is an OpenStreetMap extract (.osm.pbf); expected a run",
         ));
+}
+
+#[test]
+fn a_bad_way_or_node_costs_itself_alone() {
+    let folder = folder();
+    let at = folder.path();
+    let (nodes, ways) = osm_nodes(&two(&hills()));
+    let first = ways[0].clone();
+    let good = |more: &[OsmWay<'_>]| {
+        let ways = [&[(11, first.clone(), &PRIMARY[..])][..], more].concat();
+        pbf(&FEATURES, &nodes, &ways, Packing::Zlib)
+    };
+    let maybe = [("highway", "primary"), ("oneway", "maybe")];
+    for (more, expected) in [
+        (
+            (5, vec![first[0]], &PRIMARY[..]),
+            "way/5: fewer than two nodes",
+        ),
+        ((5, vec![first[0], -7], &PRIMARY[..]), "way/5: no node -7"),
+        (
+            (5, vec![first[0], first[1]], &maybe[..]),
+            "way/5: oneway is",
+        ),
+        ((11, first.clone(), &PRIMARY[..]), "way/11: is there twice"),
+    ] {
+        let path = file(at, &good(&[more]));
+        let network = read_network(&path).expect(expected);
+        assert_eq!(network.ways().len(), 2, "{expected}");
+        fuse(
+            at,
+            &["--out", "map.csv", "--road", "net.osm.pbf", "none.csv"],
+        )
+        .failure()
+        .stderr(contains("none.csv"));
+    }
+    // A way that lacks a node within is cut there.
+    let mut torn = first.clone();
+    let middle = torn.len() / 2;
+    torn[middle] = -7;
+    let path = file(
+        at,
+        &pbf(&FEATURES, &nodes, &[(11, torn, &PRIMARY)], Packing::Zlib),
+    );
+    let network = read_network(&path).expect("two parts");
+    let shown: Vec<String> = network
+        .ways()
+        .iter()
+        .map(|way| way.name.as_ref().expect("a name").to_string())
+        .collect();
+    let expected = [
+        "way/11 forward",
+        "way/11 backward",
+        "way/11#2 forward",
+        "way/11#2 backward",
+    ];
+    assert_eq!(shown, expected);
 }

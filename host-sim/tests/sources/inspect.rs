@@ -295,11 +295,15 @@ fn bad_logs_end_with_a_message_and_nothing_on_stdout() {
             &b""[..],
             "empty.log: the file is empty; expected",
         ),
-        ("binary.log", b"\x00\x01\x02\n", "binary.log:1: binary data"),
+        (
+            "binary.log",
+            b"\x00\x01\x02\n",
+            "binary.log: unknown format, begins with `",
+        ),
         (
             "text.log",
             b"To be or not to be\n",
-            "text.log:1: no time in brackets in `To be or not",
+            "text.log: unknown format, begins with `To be or not",
         ),
         ("cut.log", b"(1.0) can0 12", "cut.log:1: no CAN identifier"),
         (

@@ -333,11 +333,145 @@ fn mistakes_are_named_with_their_line() {
 }
 
 #[test]
+fn a_statement_that_is_not_understood_costs_itself_alone() {
+    let head = "VERSION \"\"\n\nBO_ 416 ESP_1: 8 Gateway\n";
+    let speed = " SG_ VehicleSpeed : 7|16@0+ (0.01,0) [0|655.35] \"km/h\" X\n";
+    for (line, name) in [
+        (" SG_ Power : 0|32@2- (1,0) [0|0] \"kW\" X", "Power"),
+        (" SG_ Power : 0|32 (1,0) [0|0] \"kW\" X", "Power"),
+        (" SG_ Power m1m0 : 0|8@1+ (1,0) [0|0] \"kW\" X", "Power"),
+        (" SG_ Power : 0|8@1+ (one,0) [0|0] \"kW\" X", "Power"),
+        (" SG_ Power : 0|8@1+ (1,0) [0|0] kW X", "Power"),
+        (" SG_ Power : 0|8@1+ (nan,0) [0|0] \"kW\" X", "Power"),
+        (
+            " SG_ Power : 0|8@1+ (1,0) [0|0] \"\" X\nSIG_VALTYPE_ 416 Power : 3;",
+            "Power",
+        ),
+    ] {
+        for dbc in [
+            format!("{head}{line}\n{speed}"),
+            format!("{head}{speed}{line}\n"),
+        ] {
+            let own = read(dbc.as_bytes(), SPEED).unwrap();
+            let frame = standard(416, &[0x1c, 0x20, 0, 0, 0, 0, 0, 0]);
+            let expected = [(Signal::WheelSpeed, Value::Real(20.0))];
+            assert_eq!(readings(&own, &frame), expected, "{dbc}");
+            assert_eq!(own.left_out().count(), 1, "{dbc}");
+            let told = &own.left_out().first()[0];
+            assert!(
+                told.contains("is not understood; expected a message"),
+                "{told}"
+            );
+            // Where it is mapped, that is an error that says so.
+            let mapped = SPEED.replace("VehicleSpeed", name);
+            let message = read(dbc.as_bytes(), &mapped).unwrap_err();
+            let words = "S.toml:3: signals.wheel_speed_mps.signal is `Power`, which is described by \
+                         a statement that is not understood";
+            assert!(message.starts_with(words), "{message}");
+        }
+    }
+    // A message of which the statement is wrong takes its signals with it.
+    let dbc = format!("BO_ x Bad: 8 X\n SG_ Lost : 0|8@1+ (1,0) [0|0] \"\" X\n{head}{speed}");
+    let own = read(dbc.as_bytes(), SPEED).unwrap();
+    assert_eq!(own.left_out().count(), 1);
+    assert!(own.left_out().first()[0].contains("car.dbc:1: `BO_ x Bad: 8 X`"));
+}
+
+#[test]
+fn statements_that_tools_write_are_understood() {
+    // No receiver, names of other letters, no blank before the colon, and the message of no message.
+    for line in [
+        " SG_ VehicleSpeed : 7|16@0+ (0.01,0) [0|655.35] \"km/h\"",
+        " SG_ VehicleSpeed: 7|16@0+ (0.01,0) [0|655.35] \"km/h\" X,Y",
+        " SG_ VehicleSpeed : 7 | 16 @ 0 + ( 0.01 , 0 ) [ 0 | 655.35 ] \"km/h\"  X",
+        "SG_ VehicleSpeed : 7|16@0+ (1E-2,0.0) [0|6.5E+02] \"km/h\" Vector__XXX",
+    ] {
+        let dbc = format!(
+            "BO_ 3221225472 VECTOR__INDEPENDENT_SIG_MSG: 0 Vector__XXX\n SG_ X : 0|8@1+ (1,0) [0|0] \"\" X\n\
+             BO_ 416 ESP_1: 8 X\n{line}\n SG_ Öl-Druck : 0|8@1+ (1,0) [0|0] \"\" X\n"
+        );
+        let own = read(dbc.as_bytes(), SPEED).unwrap();
+        let frame = standard(416, &[0x1c, 0x20, 0, 0, 0, 0, 0, 0]);
+        let expected = [(Signal::WheelSpeed, Value::Real(20.0))];
+        assert_eq!(readings(&own, &frame), expected, "{line}");
+        assert_eq!(own.left_out().count(), 0, "{line}");
+    }
+}
+
+#[test]
+fn the_frame_format_may_be_a_default_and_have_its_own_numbers() {
+    let message = "BO_ 2566844672 Speed: 8 X\n SG_ V : 8|16@1+ (0.00390625,0) [0|0] \"km/h\" X\n";
+    let toml = "[signals.wheel_speed_mps]\nmessage = \"Speed\"\nsignal = \"V\"\n";
+    let usual = "BA_DEF_ BO_ \"VFrameFormat\" ENUM \"StandardCAN\",\"ExtendedCAN\",\"reserved\",\"J1939PG\";\n";
+    let other = "BA_DEF_ BO_  \"VFrameFormat\" ENUM  \"J1939PG\", \"ExtendedCAN\";\n";
+    for (attributes, is_group) in [
+        (
+            usual.to_owned() + "BA_DEF_DEF_ \"VFrameFormat\" \"J1939PG\";\n",
+            true,
+        ),
+        (
+            usual.to_owned() + "BA_DEF_DEF_ \"VFrameFormat\" \"ExtendedCAN\";\n",
+            false,
+        ),
+        (
+            usual.to_owned()
+                + "BA_DEF_DEF_  \"VFrameFormat\" \"J1939PG\";\nBA_ \"VFrameFormat\" BO_ 2566844672 1;\n",
+            false,
+        ),
+        (
+            usual.to_owned()
+                + "BA_DEF_DEF_ \"VFrameFormat\" \"\";\nBA_ \"VFrameFormat\" BO_ 2566844672 3;\n",
+            true,
+        ),
+        (
+            other.to_owned() + "BA_ \"VFrameFormat\" BO_ 2566844672 0;\n",
+            true,
+        ),
+        (
+            other.to_owned() + "BA_ \"VFrameFormat\" BO_ 2566844672 1;\n",
+            false,
+        ),
+        ("BA_ \"VFrameFormat\" BO_ 2566844672 3;\n".to_owned(), true),
+        (
+            "BA_DEF_DEF_ \"VFrameFormat\" \"J1939PG\";\n".to_owned(),
+            true,
+        ),
+    ] {
+        let own = read(format!("{message}{attributes}").as_bytes(), toml).unwrap();
+        let frame = extended(0x18fe_f117, &[0xff, 0, 72, 0xff, 0xff, 0xff, 0xff, 0xff]);
+        assert_eq!(!readings(&own, &frame).is_empty(), is_group, "{attributes}");
+    }
+}
+
+#[test]
+fn long_names_are_known_beside_short_ones() {
+    let dbc = "BO_ 416 Wheels_of_the_rear_axle_short_: 8 X\n\
+        \x20SG_ Speed_of_the_left_rear_wheel_s : 7|16@0+ (0.01,0) [0|0] \"km/h\" X\n\
+        BA_DEF_DEF_ \"SystemSignalLongSymbol\" \"\";\n\
+        BA_ \"SystemMessageLongSymbol\" BO_ 416 \"Wheels_of_the_rear_axle_in_full\";\n\
+        BA_ \"SystemSignalLongSymbol\" SG_ 416 Speed_of_the_left_rear_wheel_s \"Speed_in_full\";\n";
+    for (message, signal) in [
+        ("Wheels_of_the_rear_axle_in_full", "Speed_in_full"),
+        (
+            "Wheels_of_the_rear_axle_short_",
+            "Speed_of_the_left_rear_wheel_s",
+        ),
+    ] {
+        let toml =
+            format!("[signals.wheel_speed_mps]\nmessage = \"{message}\"\nsignal = \"{signal}\"\n");
+        let own = read(dbc.as_bytes(), &toml).unwrap();
+        let frame = standard(416, &[0x1c, 0x20]);
+        let expected = [(Signal::WheelSpeed, Value::Real(20.0))];
+        assert_eq!(readings(&own, &frame), expected, "{message}");
+    }
+}
+
+#[test]
 fn a_wrong_dbc_is_refused_with_its_line() {
     for (dbc, expected) in [
         (
-            "VERSION \"\"\n\nBO_ 416 ESP_1: 8 Gateway\n SG_ Speed : 7|16@2+ (1,0) [0|0] \"\" X\n",
-            "car.dbc:4: `SG_ Speed : 7|16@2+ (1,0) [0|0] \"\" X` is not understood; expected ",
+            "VERSION \"\"\n\nBO_ 416: 8 Gateway\n",
+            "car.dbc:3: `BO_ 416: 8 Gateway` is not understood; expected ",
         ),
         ("", "car.dbc: no message; expected a .dbc file"),
         (

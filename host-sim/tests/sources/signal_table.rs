@@ -208,7 +208,7 @@ fn cells_are_checked_with_line_and_column() {
             "table.csv:2: gear is `\\xc3\\xa9`; expected a finite number",
         ),
         (",2,", "table.csv:2: time_s is ``; expected seconds"),
-        ("-0.5,2,", "table.csv:2: time_s is `-0.5`; expected seconds"),
+        ("-5e9,2,", "table.csv:2: time_s is `-5e9`; expected seconds"),
         (
             "12:00,2,",
             "table.csv:2: time_s is `12:00`; expected seconds",
@@ -333,4 +333,14 @@ fn nan_is_missing_and_other_columns_are_ignored() {
     std::fs::write(&path, table).expect("a temporary file");
     let reader = SignalTableReader::open(&path).expect("a table");
     assert_eq!(reader.ignored_columns(), ["driver", "geer"]);
+}
+
+#[test]
+fn negative_times_are_moved_to_begin_with_zero() {
+    let rows = read(b"time_s,gear\n-1.5,1\n-0.25,2\n1,3\n").expect("a table");
+    let times: Vec<u64> = rows.iter().map(|row| row.0).collect();
+    assert_eq!(times, [0, 1_250_000, 2_500_000]);
+    let message = error("time_s,gear\n-1.5,1\n-2.5,2\n");
+    let words = "table.csv:3: time_s runs backwards, from -1.500000 s to -2.500000 s";
+    assert!(message.starts_with(words), "{message}");
 }

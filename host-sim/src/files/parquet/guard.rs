@@ -41,6 +41,12 @@ pub fn damaged(path: &Path, problem: &str) -> Error {
     if let Some(error) = out_of_files(problem) {
         return Error::io(path)(error);
     }
+    // A build may lack a codec: that of the page in a browser has no Zstandard.
+    if let Some((_, codec)) = problem.split_once("Disabled feature at compile time: ") {
+        let problem =
+            format!("pages are packed with {codec}; expected Snappy, gzip, LZ4 or Brotli");
+        return Error::content(path, problem);
+    }
     Error::content(
         path,
         format!("damaged, or not a Parquet file: {problem}; restore the file as it was written"),

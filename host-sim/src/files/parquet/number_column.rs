@@ -1,7 +1,11 @@
 //! A column of numbers in a batch of rows of a Parquet file, of any numeric type.
 
-use arrow_array::types::{ArrowPrimitiveType, Float32Type, Float64Type, Int32Type, Int64Type};
-use arrow_array::{Array, ArrayRef, BooleanArray, PrimitiveArray};
+use arrow_array::types::{
+    ArrowPrimitiveType, Float16Type, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type,
+    Int64Type, UInt8Type, UInt16Type, UInt32Type,
+};
+use arrow_array::{Array, ArrayRef, BooleanArray, Decimal128Array, PrimitiveArray, UInt64Array};
+use std::any::Any;
 
 /// A column of numbers. Switches are 0 and 1.
 pub struct NumberColumn<'a>(Values<'a>);
@@ -16,6 +20,8 @@ enum Values<'a> {
     Whole(&'a PrimitiveArray<Int64Type>),
     Short(&'a PrimitiveArray<Int32Type>),
     Switch(&'a BooleanArray),
+    /// Those of types that few files have.
+    Converted(Vec<Option<f64>>),
 }
 
 impl<'a> NumberColumn<'a> {
@@ -28,6 +34,7 @@ impl<'a> NumberColumn<'a> {
             .or_else(|| any.downcast_ref().map(Values::Whole))
             .or_else(|| any.downcast_ref().map(Values::Short))
             .or_else(|| any.downcast_ref().map(Values::Switch))
+            .or_else(|| Values::converted(any))
             .map(Self)
     }
 
@@ -45,9 +52,10 @@ impl<'a> NumberColumn<'a> {
         ) -> Option<T::Native> {
             (!array.is_null(row)).then(|| array.value(row))
         }
-        match self.0 {
+        match &self.0 {
             Values::Absent => None,
             Values::Plain(numbers) => Some(numbers[row]),
+            Values::Converted(numbers) => numbers[row],
             Values::Float(array) => present(array, row),
             Values::Single(array) => present(array, row).map(f64::from),
             Values::Whole(array) => present(array, row).map(|value| value as f64),
@@ -67,6 +75,38 @@ impl<'a> NumberColumn<'a> {
 }
 
 impl<'a> Values<'a> {
+    fn converted(any: &dyn Any) -> Option<Self> {
+        fn numbers<T: ArrowPrimitiveType>(any: &dyn Any) -> Option<Vec<Option<f64>>>
+        where
+            f64: From<T::Native>,
+        {
+            let array = any.downcast_ref::<PrimitiveArray<T>>()?;
+            Some(array.iter().map(|value| value.map(f64::from)).collect())
+        }
+        numbers::<Int8Type>(any)
+            .or_else(|| numbers::<Int16Type>(any))
+            .or_else(|| numbers::<UInt8Type>(any))
+            .or_else(|| numbers::<UInt16Type>(any))
+            .or_else(|| numbers::<UInt32Type>(any))
+            .or_else(|| numbers::<Float16Type>(any))
+            .or_else(|| {
+                let array = any.downcast_ref::<UInt64Array>()?;
+                Some(
+                    array
+                        .iter()
+                        .map(|value| value.map(|value| value as f64))
+                        .collect(),
+                )
+            })
+            .or_else(|| {
+                let array = any.downcast_ref::<Decimal128Array>()?;
+                let factor = 10_f64.powi(array.scale().into());
+                let number = |value: i128| value as f64 / factor;
+                Some(array.iter().map(|value| value.map(number)).collect())
+            })
+            .map(Self::Converted)
+    }
+
     fn float(array: &'a PrimitiveArray<Float64Type>) -> Self {
         if array.null_count() == 0 {
             Self::Plain(array.values())

@@ -1,22 +1,21 @@
-//! A network as the lines of a GeoJSON file (RFC 7946).
+//! A network as the lines of a GeoJSON file (RFC 7946), or of a sequence of them (RFC 8142).
 
-use super::network_draft::{DraftWay, NetworkDraft};
+use super::network_draft::{DraftWay, NetworkDraft, Position as Place};
 use super::osm::tags;
 use super::way_file::check_way;
 use crate::error::{Error, Result};
+use crate::files::kind::{self, Kind};
 use crate::files::row_check;
-use crate::map::geometry::network::Network;
 use geojson::feature::Id;
 use geojson::{Feature, Position, Value as Shape};
 use serde::Deserializer;
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, SeqAccess, Visitor};
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::borrow::Cow;
 use std::cell::Cell;
-use std::collections::BTreeMap;
 use std::fmt;
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 /// Bytes of one feature: a way of 2,500 km with a position every 10 m.
@@ -24,12 +23,31 @@ const FEATURE_BYTES: usize = 8 << 20;
 /// Properties for the name of a feature, in order of precedence: ours, Overpass, other exports.
 const NAMES: [&str; 4] = ["way", "@id", "id", "osm_id"];
 
+/// Extensions of files with lines: GeoJSON, and sequences of it.
+const EXTENSIONS: [&str; 7] = [
+    "geojson",
+    "json",
+    "geojsonl",
+    "geojsons",
+    "geojsonseq",
+    "ndjson",
+    "jsonl",
+];
+/// The mark before each object of a sequence. No text of JSON has it.
+const RECORD_SEPARATOR: u8 = 0x1e;
+/// A mark of UTF-8, with which some programs begin a text.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Returns true if the extension is that of GeoJSON.
 #[must_use]
 pub fn is_geojson(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| {
-        extension.eq_ignore_ascii_case("geojson") || extension.eq_ignore_ascii_case("json")
-    })
+    let is_of = |extension: &str| EXTENSIONS.iter().any(|e| extension.eq_ignore_ascii_case(e));
+    path.extension().and_then(|e| e.to_str()).is_some_and(is_of)
+}
+
+/// Returns true if the extension or the content is that of GeoJSON.
+pub(super) fn has_geojson(path: &Path) -> bool {
+    is_geojson(path) || kind::of(path) == Some(Kind::Json)
 }
 
 /// What a collection has, feature by feature: a network may be larger than memory as JSON values.
@@ -38,11 +56,10 @@ struct Collection<'a> {
     /// Renewed for each feature.
     budget: &'a Cell<usize>,
     draft: NetworkDraft,
-    /// The number of the feature of each name.
-    numbers: BTreeMap<String, usize>,
     /// Number of features.
     count: usize,
-    kind: Option<Value>,
+    /// The type of an object that is neither a feature nor a collection.
+    other: Option<Value>,
     /// The first error; the rest is then skipped.
     trouble: Option<Error>,
 }
@@ -53,9 +70,8 @@ impl<'a> Collection<'a> {
             path,
             budget,
             draft: NetworkDraft::default(),
-            numbers: BTreeMap::new(),
             count: 0,
-            kind: None,
+            other: None,
             trouble: None,
         }
     }
@@ -63,31 +79,34 @@ impl<'a> Collection<'a> {
     fn take(&mut self, feature: Value) {
         self.count += 1;
         self.budget.set(FEATURE_BYTES);
-        if self.trouble.is_none()
-            && let Err(problem) = self.add(feature)
-        {
-            let problem = format!("feature {}: {problem}", self.count);
-            self.trouble = Some(Error::content(self.path, problem));
+        if self.trouble.is_some() {
+            return;
+        }
+        let place = format!("feature {}", self.count);
+        match way_of(feature, &place) {
+            Ok(way) => {
+                let place = format!("{place}: way {}", way.name);
+                if let Err(problem) = self.draft.add(&place, way) {
+                    self.trouble = Some(Error::content(self.path, format!("{place}: {problem}")));
+                }
+            }
+            Err(problem) => self.draft.leave_out(format!("{place}: {problem}")),
         }
     }
+}
 
-    fn add(&mut self, feature: Value) -> std::result::Result<(), String> {
-        let feature = Feature::from_json_value(feature).map_err(|e| e.to_string())?;
-        let name = name_of(&feature)?;
-        let wrong = |problem: String| format!("way {name}: {problem}");
-        if let Some(first) = self.numbers.insert(name.clone(), self.count) {
-            let problem = format!("same name as feature {first}; expected unique names");
-            return Err(wrong(problem));
-        }
-        let tag = |key: &str| text_of(&feature, key);
-        let way = DraftWay {
-            points: points_of(&feature).map_err(wrong)?,
-            directions: tags::directions(tag).map_err(wrong)?,
-            structure: tags::structure(tag),
-            name: name.clone(),
-        };
-        self.draft.add(way).map_err(wrong)
-    }
+/// Returns the way that a feature is. One without a name has its place as its name.
+fn way_of(feature: Value, place: &str) -> std::result::Result<DraftWay, String> {
+    let feature = Feature::from_json_value(feature).map_err(|e| e.to_string())?;
+    let name = name_of(&feature)?.unwrap_or_else(|| place.to_owned());
+    let wrong = |problem: String| format!("way {name}: {problem}");
+    let tag = |key: &str| text_of(&feature, key);
+    Ok(DraftWay {
+        parts: parts_of(&feature).map_err(wrong)?,
+        directions: tags::directions(tag).map_err(wrong)?,
+        structure: tags::structure(tag),
+        name: name.clone(),
+    })
 }
 
 impl<'de> Visitor<'de> for &mut Collection<'_> {
@@ -99,23 +118,29 @@ impl<'de> Visitor<'de> for &mut Collection<'_> {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<(), A::Error> {
         let mut has_features = false;
+        let mut object = Map::new();
         while let Some(key) = map.next_key::<String>()? {
             match key.as_str() {
-                "type" => self.kind = Some(map.next_value()?),
                 "features" => {
                     has_features = true;
                     map.next_value_seed(Features(self))?;
+                }
+                "type" | "id" | "geometry" | "properties" => {
+                    object.insert(key, map.next_value()?);
                 }
                 _ => {
                     map.next_value::<IgnoredAny>()?;
                 }
             }
         }
-        if self.kind.is_none() {
-            return Err(de::Error::missing_field("type"));
-        }
-        if !has_features {
-            return Err(de::Error::missing_field("features"));
+        match object.get("type") {
+            Some(Value::String(kind)) if kind == "FeatureCollection" && !has_features => {
+                return Err(de::Error::missing_field("features"));
+            }
+            Some(Value::String(kind)) if kind == "FeatureCollection" => {}
+            Some(Value::String(kind)) if kind == "Feature" => self.take(Value::Object(object)),
+            Some(kind) => self.other = Some(kind.clone()),
+            None => return Err(de::Error::missing_field("type")),
         }
         Ok(())
     }
@@ -163,57 +188,69 @@ impl<R: Read> Read for Counted<'_, R> {
         }
         let count = self.inner.read(&mut buffer[..most])?;
         self.left.set(self.left.get() - count);
+        for byte in &mut buffer[..count] {
+            if *byte == RECORD_SEPARATOR {
+                *byte = b' ';
+            }
+        }
         Ok(count)
     }
 }
 
-/// Reads a network.
+/// Reads the ways of a network.
 ///
 /// # Errors
 /// Returns an error that names the file, the line or feature, and the expected value.
-pub(super) fn read_geojson(path: &Path) -> Result<Network> {
+pub(super) fn read_geojson(path: &Path) -> Result<NetworkDraft> {
     let file = File::open(path).map_err(Error::io(path))?;
     let budget = Cell::new(FEATURE_BYTES);
-    let file = BufReader::new(Counted {
+    let mut file = BufReader::new(Counted {
         inner: file,
         left: &budget,
     });
+    if file
+        .fill_buf()
+        .map_err(Error::io(path))?
+        .starts_with(BYTE_ORDER_MARK)
+    {
+        file.consume(BYTE_ORDER_MARK.len());
+    }
     let mut collection = Collection::new(path, &budget);
     let mut json = serde_json::Deserializer::from_reader(file);
-    let read = json
-        .deserialize_any(&mut collection)
-        .and_then(|()| json.end());
+    loop {
+        let read = json.deserialize_any(&mut collection);
+        read.map_err(|error| wrong_json(path, error))?;
+        // A sequence has more objects.
+        if json.end().is_ok() {
+            break;
+        }
+    }
     let Collection {
         draft,
         count,
-        kind,
+        other,
         trouble,
         ..
     } = collection;
-    read.map_err(|e| {
-        if e.is_io() {
-            return Error::io(path)(e.into());
-        }
-        let expected = "a GeoJSON FeatureCollection";
-        match e.line() {
-            0 => Error::content(path, format!("{e}; expected {expected}")),
-            line => Error::line(path, line as u64, e.to_string(), expected),
-        }
-    })?;
-    let kind = kind.unwrap_or_default();
-    if kind.as_str() != Some("FeatureCollection") {
-        let problem = format!("type {kind}; expected FeatureCollection");
+    if let Some(kind) = other {
+        let problem = format!("type {kind}; expected FeatureCollection or Feature");
         return Err(Error::content(path, problem));
     }
     if count == 0 {
         return Err(Error::content(path, "no features; expected LineStrings"));
     }
-    if let Some(trouble) = trouble {
-        return Err(trouble);
+    trouble.map_or(Ok(draft), Err)
+}
+
+fn wrong_json(path: &Path, error: serde_json::Error) -> Error {
+    if error.is_io() {
+        return Error::io(path)(error.into());
     }
-    draft
-        .finish()
-        .map_err(|problem| Error::content(path, problem))
+    let expected = "a GeoJSON FeatureCollection";
+    match error.line() {
+        0 => Error::content(path, format!("{error}; expected {expected}")),
+        line => Error::line(path, line as u64, error.to_string(), expected),
+    }
 }
 
 /// Returns a property that is not null.
@@ -221,16 +258,17 @@ fn property<'f>(feature: &'f Feature, key: &str) -> Option<&'f Value> {
     feature.property(key).filter(|value| !value.is_null())
 }
 
-fn name_of(feature: &Feature) -> std::result::Result<String, String> {
+/// Returns the name of a feature, if it has one.
+fn name_of(feature: &Feature) -> std::result::Result<Option<String>, String> {
     let property = NAMES.iter().find_map(|key| property(feature, key));
     let name = match (property, &feature.id) {
         (Some(Value::String(name)), _) | (None, Some(Id::String(name))) => name.clone(),
         (Some(Value::Number(number)), _) | (None, Some(Id::Number(number))) => number.to_string(),
         (Some(other), _) => return Err(format!("way is {other}; expected a text or a number")),
-        (None, None) => return Err("no name; expected a property \"way\", or an id".to_owned()),
+        (None, None) => return Ok(None),
     };
     check_way(&name).map_err(|flaw| format!("{}; expected {}", flaw.problem, flaw.expected))?;
-    Ok(name)
+    Ok(Some(name))
 }
 
 /// Returns the text of a property; exports write some values as booleans or numbers.
@@ -241,40 +279,23 @@ fn text_of<'f>(feature: &'f Feature, key: &str) -> Option<Cow<'f, str>> {
     })
 }
 
-/// Returns the positions: latitude and longitude, deg.
-fn points_of(feature: &Feature) -> std::result::Result<Vec<(f64, f64)>, String> {
+/// Returns the lines of a feature.
+fn parts_of(feature: &Feature) -> std::result::Result<Vec<Vec<Place>>, String> {
     let expected = "expected a LineString of two positions or more";
-    let positions = match feature.geometry.as_ref().map(|geometry| &geometry.value) {
-        Some(Shape::LineString(coordinates)) => coordinates,
-        // Lines read from a shapefile are always of this type.
-        Some(Shape::MultiLineString(coordinates)) => match &coordinates[..] {
-            [line] => line,
-            parts => {
-                let count = parts.len();
-                return Err(format!("a MultiLineString of {count} parts; {expected}"));
-            }
-        },
-        Some(other) => return Err(format!("a {}; {expected}", other.type_name())),
-        None => return Err(format!("no geometry; {expected}")),
-    };
-    let mut points: Vec<(f64, f64)> = Vec::with_capacity(positions.len());
-    for (number, position) in (1..).zip(positions) {
-        let point = point(position).map_err(|e| format!("position {number}: {e}"))?;
-        // A repeated position is no step.
-        if points.last() != Some(&point) {
-            points.push(point);
-        }
+    match feature.geometry.as_ref().map(|geometry| &geometry.value) {
+        Some(Shape::LineString(line)) => Ok(vec![points_of(line)?]),
+        Some(Shape::MultiLineString(lines)) => lines.iter().map(|line| points_of(line)).collect(),
+        Some(other) => Err(format!("a {}; {expected}", other.type_name())),
+        None => Err(format!("no geometry; {expected}")),
     }
-    if points.len() < 2 {
-        return Err(format!(
-            "{} position(s) that differ; {expected}",
-            points.len()
-        ));
-    }
-    Ok(points)
 }
 
-fn point(position: &Position) -> std::result::Result<(f64, f64), String> {
+fn points_of(positions: &[Position]) -> std::result::Result<Vec<Place>, String> {
+    let point = |(number, position)| point(position).map_err(|e| format!("position {number}: {e}"));
+    (1..).zip(positions).map(point).collect()
+}
+
+fn point(position: &Position) -> std::result::Result<Place, String> {
     let [longitude_deg, latitude_deg, ..] = *position.as_slice() else {
         return Err("expected longitude and latitude".to_owned());
     };

@@ -40,6 +40,8 @@ pub(super) struct Containers {
     is_within: bool,
     /// True if no good object of the file came since the last damage.
     is_damaged: bool,
+    /// True if the file has no more objects.
+    is_over: bool,
 }
 
 impl Containers {
@@ -55,6 +57,7 @@ impl Containers {
             is_torn: false,
             is_within: false,
             is_damaged: false,
+            is_over: false,
         }
     }
 
@@ -100,13 +103,15 @@ impl Containers {
                 self.is_torn = false;
                 self.is_within = true;
             }
-            if !self.fetch(damage)? {
+            if self.is_over {
                 let is_rest = self.stream.len() > MOST_PADDING && !self.is_within;
                 if is_rest {
                     self.cut_off(damage)?;
                 }
                 return Ok(None);
             }
+            // The last container may be cut off, and have objects.
+            self.is_over = !self.fetch(damage)?;
         }
     }
 

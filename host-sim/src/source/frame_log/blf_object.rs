@@ -15,7 +15,7 @@ const ID_MASK: u32 = 0x1fff_ffff;
 /// What an object records.
 pub(super) enum Recorded {
     Frame {
-        micros: u64,
+        micros: i64,
         channel: u16,
         frame: CanFrame,
     },
@@ -125,7 +125,7 @@ fn channel(object: &[u8], body: &[u8]) -> Option<u16> {
 }
 
 /// Returns the time of an object, in microseconds.
-fn micros(object: &[u8]) -> Result<u64, ObjectProblem> {
+fn micros(object: &[u8]) -> Result<i64, ObjectProblem> {
     let flags = u32_at(object, 16).ok_or(SHORT)?;
     let time = number(object, 24).map(u64::from_le_bytes).ok_or(SHORT)?;
     let micros = match flags {
@@ -134,6 +134,7 @@ fn micros(object: &[u8]) -> Result<u64, ObjectProblem> {
         2 => Some(time.saturating_add(500) / 1000),
         _ => return Err(problem("an unknown unit of time", "1 (10 µs) or 2 (ns)")),
     };
+    let micros = micros.and_then(|micros| i64::try_from(micros).ok());
     let micros = micros.filter(|micros| *micros <= MOST_MICROS);
     micros.ok_or(problem("too late a time", "at most 10^12 s"))
 }

@@ -12,11 +12,13 @@
 //! * Times are those of the log, in microseconds; since the Unix epoch if candump logged absolute
 //!   time.
 //! * Differences (`-t d`) are told from other times by the first lines: they do not grow.
-//! * CAN FD frames and bus error reports of the kernel are skipped and counted.
+//! * Among fractions of six digits, one of seven is a count of microseconds that a writer did not carry.
+//! * CAN FD and CAN XL frames and bus error reports of the kernel are skipped and counted.
+//! * Lines that do not begin with a bracket are comments, unless they have the rest of a frame.
 //! * A last line without a line end counts only if it cannot be truncated.
 
 use super::candump_line::{Content, parse, time_of};
-use super::fields::MOST_MICROS;
+use super::fields::{FractionDigits, MOST_MICROS};
 use super::line_problem::{Parsed, problem};
 use super::text::{LineFormat, TextLine};
 use crate::source::interfaces::Interfaces;
@@ -28,7 +30,8 @@ const FEWEST: usize = 3;
 #[derive(Default)]
 pub(super) struct Candump {
     are_differences: bool,
-    micros: u64,
+    micros: i64,
+    digits: FractionDigits,
 }
 
 impl Candump {
@@ -36,17 +39,17 @@ impl Candump {
     pub(super) fn of_head(head: &[u8]) -> Self {
         let lines = head.split_inclusive(|byte| *byte == b'\n');
         let whole = lines.filter(|line| line.ends_with(b"\n"));
-        let times: Vec<u64> = whole.filter_map(time_of).collect();
+        let times: Vec<i64> = whole.filter_map(time_of).collect();
         Self {
             are_differences: are_differences(&times),
-            micros: 0,
+            ..Self::default()
         }
     }
 }
 
 /// Returns true if these times are those between frames. Other times begin with 0, too, but grow: of
 /// frames that were logged in the wrong order there are few.
-fn are_differences(times: &[u64]) -> bool {
+fn are_differences(times: &[i64]) -> bool {
     let [0, later @ ..] = times else {
         return false;
     };
@@ -60,11 +63,19 @@ fn are_differences(times: &[u64]) -> bool {
 }
 
 impl LineFormat for Candump {
-    fn parse(&mut self, line: &[u8], interfaces: &mut Interfaces) -> Parsed<TextLine> {
-        let Some(line) = parse(line)? else {
-            return Ok(TextLine::Other);
+    fn parse(&mut self, text: &[u8], interfaces: &mut Interfaces) -> Parsed<TextLine> {
+        let Some(line) = parse(text)? else {
+            return Ok(if text.trim_ascii().is_empty() {
+                TextLine::Blank
+            } else {
+                TextLine::Other
+            });
         };
-        let mut micros = line.micros;
+        let mut micros = if self.digits.is_overflow(line.stamp.fraction_digits) {
+            line.stamp.overflowed()?
+        } else {
+            line.stamp.micros
+        };
         if self.are_differences {
             let sum = self.micros.checked_add(micros);
             let sum = sum.filter(|sum| *sum <= MOST_MICROS);
@@ -79,6 +90,7 @@ impl LineFormat for Candump {
                 is_closed: line.is_closed,
             },
             Content::FlexibleRate => TextLine::FlexibleRate,
+            Content::ExtraLarge => TextLine::ExtraLarge,
             Content::BusError => TextLine::BusError,
         })
     }

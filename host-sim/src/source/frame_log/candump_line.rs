@@ -1,19 +1,17 @@
 //! One line of a candump log.
 
-use super::calendar::DateTime;
+use super::candump_cursor::{Cursor, Stamp, nibble};
 use super::line_problem::{Parsed, problem};
 use crate::source::can_frame::CanFrame;
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 
 /// Bit of an error message in SocketCAN's identifier word (`CAN_ERR_FLAG`).
 const ERROR_FLAG: u32 = 0x2000_0000;
-/// Maximum number of digits of the seconds: microseconds then still fit 64 bits.
-const MOST_SECOND_DIGITS: usize = 12;
 
 /// The content of a line.
 #[derive(Debug)]
 pub(super) struct CandumpLine<'a> {
-    pub micros: u64,
+    pub stamp: Stamp,
     pub interface: &'a [u8],
     pub content: Content,
     /// True if the line cannot be truncated.
@@ -25,184 +23,71 @@ pub(super) enum Content {
     Frame(CanFrame),
     /// A CAN FD frame.
     FlexibleRate,
+    /// A CAN XL frame.
+    ExtraLarge,
     /// SocketCAN's report of a fault on the bus.
     BusError,
 }
 
+/// Numbers of bytes of CAN FD frames that classic ones cannot have.
+const FD_LENGTHS: [usize; 7] = [12, 16, 20, 24, 32, 48, 64];
+
 const WHOLE_LINE: &str = "a candump line such as `(1.000000) can0 0CF00400#0102030405060708` \
                           or `(001.000000)  can0  0CF00400   [8]  01 02 03 04 05 06 07 08`";
 
-/// Values of hexadecimal digits; 0xff for any other byte.
-const NIBBLES: [u8; 256] = {
-    let mut table = [0xff; 256];
-    let mut k = 0;
-    while k < 10 {
-        table[b'0' as usize + k] = k as u8;
-        k += 1;
-    }
-    let mut k = 0;
-    while k < 6 {
-        table[b'A' as usize + k] = 10 + k as u8;
-        table[b'a' as usize + k] = 10 + k as u8;
-        k += 1;
-    }
-    table
-};
-
-const fn nibble(byte: u8) -> Option<u8> {
-    match NIBBLES[byte as usize] {
-        0xff => None,
-        value => Some(value),
-    }
+/// What stands before the data.
+#[derive(Clone, Copy)]
+enum Identifier {
+    Classic(Id),
+    BusError,
+    ExtraLarge,
 }
 
-/// The rest of a line.
-struct Cursor<'a>(&'a [u8]);
-
-impl<'a> Cursor<'a> {
-    fn take(&mut self, byte: u8) -> bool {
-        let is_next = self.0.first() == Some(&byte);
-        if is_next {
-            self.0 = &self.0[1..];
-        }
-        is_next
+/// Reads an identifier.
+fn identifier(rest: &mut Cursor) -> Parsed<Identifier> {
+    let mut raw = 0_u32;
+    let mut digits = 0;
+    while let Some((value, behind)) = rest
+        .0
+        .split_first()
+        .and_then(|(byte, behind)| Some((nibble(*byte)?, behind)))
+    {
+        raw = (raw << 4) | u32::from(value);
+        digits += 1;
+        rest.0 = behind;
     }
-
-    fn skip_blanks(&mut self) -> bool {
-        let before = self.0.len();
-        while let Some((b' ' | b'\t', rest)) = self.0.split_first() {
-            self.0 = rest;
-        }
-        self.0.len() < before
-    }
-
-    fn word(&mut self) -> &'a [u8] {
-        let length = self
-            .0
-            .iter()
-            .position(u8::is_ascii_whitespace)
-            .unwrap_or(self.0.len());
-        let (word, rest) = self.0.split_at(length);
-        self.0 = rest;
-        word
-    }
-
-    fn pair(&mut self) -> Option<u8> {
-        let [high, low, rest @ ..] = self.0 else {
-            return None;
-        };
-        let value = (nibble(*high)? << 4) | nibble(*low)?;
-        self.0 = rest;
-        Some(value)
-    }
-
-    /// Reads the time and the bracket behind it: seconds, or what candump -t A writes.
-    fn time(&mut self) -> Option<u64> {
-        let start = self.0;
-        if let Some(micros) = self.micros() {
-            return self.take(b')').then_some(micros);
-        }
-        self.0 = start;
-        self.date().filter(|_| self.take(b')'))
-    }
-
-    /// Reads `2026-11-22 10:00:00.000000`, in the time zone of the logger, which is not told.
-    fn date(&mut self) -> Option<u64> {
-        let mut parts = [0; 5];
-        for (part, end) in parts.iter_mut().zip(*b"-- ::") {
-            *part = Some(self.decimal())
-                .filter(|(_, digits)| (1..=4).contains(digits))?
-                .0;
-            if !self.take(end) {
-                return None;
-            }
-        }
-        let [year, month, day, hour, minute] = parts;
-        let micros = self.micros()?;
-        DateTime {
-            year,
-            month,
-            day,
-            hour,
-            minute,
-            second: micros / 1_000_000,
-            micros: micros % 1_000_000,
-        }
-        .unix_micros()
-    }
-
-    /// Reads `12.345678`. The fraction may have one to nine digits; digits below a microsecond are
-    /// cut.
-    fn micros(&mut self) -> Option<u64> {
-        let (seconds, digits) = self.decimal();
-        if digits == 0 || digits > MOST_SECOND_DIGITS || !self.take(b'.') {
-            return None;
-        }
-        let (fraction, digits) = self.decimal();
-        let micros = match digits {
-            6 => fraction,
-            1..=5 => fraction * 10_u64.pow(6 - digits as u32),
-            7..=9 => fraction / 10_u64.pow(digits as u32 - 6),
-            _ => return None,
-        };
-        Some(seconds * 1_000_000 + micros)
-    }
-
-    /// Reads a number and its count of digits; with more than 19 digits the number is meaningless.
-    fn decimal(&mut self) -> (u64, usize) {
-        let mut value = 0_u64;
-        let mut digits = 0;
-        while let Some((byte @ b'0'..=b'9', rest)) = self.0.split_first() {
-            value = value.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
-            digits += 1;
-            self.0 = rest;
-        }
-        (value, digits)
-    }
-
-    /// Reads an identifier; `None` for a bus error.
-    fn identifier(&mut self) -> Parsed<Option<Id>> {
-        let mut raw = 0_u32;
-        let mut digits = 0;
-        while let Some((value, rest)) = self
-            .0
-            .split_first()
-            .and_then(|(byte, rest)| Some((nibble(*byte)?, rest)))
-        {
-            raw = (raw << 4) | u32::from(value);
-            digits += 1;
-            self.0 = rest;
-        }
-        let id = match digits {
-            3 => StandardId::new(raw as u16).map(|id| Some(Id::from(id))),
-            8 if raw & !(ERROR_FLAG - 1) == ERROR_FLAG => Some(None),
-            8 => ExtendedId::new(raw).map(|id| Some(Id::from(id))),
-            _ => None,
-        };
-        id.ok_or(problem(
-            "no CAN identifier behind time and interface",
-            "3 hexadecimal digits up to 7FF, or 8 up to 1FFFFFFF",
-        ))
-    }
+    let id = match digits {
+        3 => StandardId::new(raw as u16).map(|id| Identifier::Classic(Id::from(id))),
+        // The network of CAN XL stands before its 3 digits.
+        5 => Some(Identifier::ExtraLarge),
+        8 if raw & !(ERROR_FLAG - 1) == ERROR_FLAG => Some(Identifier::BusError),
+        8 => ExtendedId::new(raw).map(|id| Identifier::Classic(Id::from(id))),
+        _ => None,
+    };
+    id.ok_or(problem(
+        "no CAN identifier behind time and interface",
+        "3 hexadecimal digits up to 7FF, or 8 up to 1FFFFFFF",
+    ))
 }
 
 /// Returns the time of a line of either layout; `None` if it has none.
-pub(super) fn time_of(line: &[u8]) -> Option<u64> {
+pub(super) fn time_of(line: &[u8]) -> Option<i64> {
     let line = line.trim_ascii_start().strip_prefix(b"(")?;
-    Cursor(line).time()
+    Cursor(line).time().map(|stamp| stamp.micros)
 }
 
-/// Parses a line without its end; `None` if it is blank.
+/// Parses a line without its end; `None` if it is no frame: a comment, text of `candump -e`.
 pub(super) fn parse(line: &[u8]) -> Parsed<Option<CandumpLine<'_>>> {
     let mut rest = Cursor(line);
     rest.skip_blanks();
-    if rest.0.is_empty() {
-        return Ok(None);
-    }
     if !rest.take(b'(') {
-        return Err(problem("no time in brackets", WHOLE_LINE));
+        return if has_frame(rest.0) {
+            Err(problem("no time in brackets", WHOLE_LINE))
+        } else {
+            Ok(None)
+        };
     }
-    let micros = rest.time().ok_or(problem(
+    let stamp = rest.time().ok_or(problem(
         "no time",
         "seconds with a fraction, such as `(1.000000)`",
     ))?;
@@ -212,19 +97,39 @@ pub(super) fn parse(line: &[u8]) -> Parsed<Option<CandumpLine<'_>>> {
         return Err(problem("no frame behind the time", WHOLE_LINE));
     }
     skip_direction(&mut rest);
-    let id = rest.identifier()?;
-    let (content, is_closed) = if rest.take(b'#') {
-        log_layout(&mut rest, id)?
-    } else {
-        rest.skip_blanks();
-        screen_layout(&mut rest, id)?
+    let (content, is_closed) = match identifier(&mut rest)? {
+        Identifier::ExtraLarge => (Content::ExtraLarge, false),
+        id if rest.take(b'#') => log_layout(&mut rest, id)?,
+        id => {
+            rest.skip_blanks();
+            screen_layout(&mut rest, id)?
+        }
     };
     Ok(Some(CandumpLine {
-        micros,
+        stamp,
         interface,
         content,
         is_closed,
     }))
+}
+
+/// Returns true for a line without a time that has the rest of a frame: `123#01`, `[8]`. A line of hexadecimal
+/// digits alone is the end of one.
+fn has_frame(line: &[u8]) -> bool {
+    if let [] | [b'#' | b';' | b'/' | b'%', ..] = line {
+        return false;
+    }
+    let is_digit = |byte: &u8| nibble(*byte).is_some();
+    let is_part = |part: &[u8]| match part {
+        [.., digit, b'#'] => is_digit(digit),
+        [b'[', digit, b']'] => is_digit(digit),
+        _ => false,
+    };
+    let has_part = |length: usize| line.windows(length).any(is_part);
+    let is_end = line
+        .iter()
+        .all(|byte| is_digit(byte) || matches!(byte, b' ' | b'.' | b'\t'));
+    is_end || has_part(2) || has_part(3)
 }
 
 /// Skips `RX` or `TX` and two flags, which candump -x writes before the identifier on the screen.
@@ -238,9 +143,13 @@ fn skip_direction(rest: &mut Cursor) {
 }
 
 /// Parses `0CF00400#01020304`, `123#R4`, `123##1AABB` (candump -l and -L).
-fn log_layout(rest: &mut Cursor, id: Option<Id>) -> Parsed<(Content, bool)> {
+fn log_layout(rest: &mut Cursor, id: Identifier) -> Parsed<(Content, bool)> {
     const DATA: &str = "up to 8 bytes of two hexadecimal digits each behind `#`";
     if rest.take(b'#') {
+        // `###` stands before the header of CAN XL in the first version of its layout.
+        if rest.take(b'#') {
+            return Ok((Content::ExtraLarge, false));
+        }
         while rest.0.first().is_some_and(|byte| nibble(*byte).is_some()) {
             rest.0 = &rest.0[1..];
         }
@@ -262,9 +171,9 @@ fn log_layout(rest: &mut Cursor, id: Option<Id>) -> Parsed<(Content, bool)> {
     let mut data = [0; 8];
     let mut length = 0;
     while let Some(value) = rest.pair() {
-        *data
-            .get_mut(length)
-            .ok_or(problem("too many bytes", DATA))? = value;
+        if let Some(byte) = data.get_mut(length) {
+            *byte = value;
+        }
         length += 1;
         rest.take(b'.');
     }
@@ -272,7 +181,12 @@ fn log_layout(rest: &mut Cursor, id: Option<Id>) -> Parsed<(Content, bool)> {
     if end_of_log_layout(rest).is_err() {
         return Err(problem("no frame data", DATA));
     }
-    Ok((content(id, &data[..length], None), length == data.len()))
+    match data.get(..length) {
+        Some(bytes) => Ok((content(id, bytes, None), length == data.len())),
+        // A converter that does not know the mark of CAN FD.
+        None if FD_LENGTHS.contains(&length) => Ok((Content::FlexibleRate, false)),
+        None => Err(problem("too many bytes", DATA)),
+    }
 }
 
 /// Skips `_` and the raw length code, which candump -8 writes after the data.
@@ -295,7 +209,7 @@ fn end_of_log_layout(rest: &mut Cursor) -> Parsed<()> {
 
 /// Parses `0CF00400   [8]  01 02 …`, `123   [0]  remote request`, `123  [08]  …` for CAN FD
 /// (candump on a terminal). Text after the data is candump's comment.
-fn screen_layout(rest: &mut Cursor, id: Option<Id>) -> Parsed<(Content, bool)> {
+fn screen_layout(rest: &mut Cursor, id: Identifier) -> Parsed<(Content, bool)> {
     const LENGTH: &str = "`#` and data, or a length such as `[8]`";
     let length = match rest.0 {
         [b'[', digit @ b'0'..=b'8', b']', behind @ ..] => {
@@ -311,12 +225,9 @@ fn screen_layout(rest: &mut Cursor, id: Option<Id>) -> Parsed<(Content, bool)> {
         return Ok((content(id, &[], Some(length)), true));
     }
     let mut data = [0; 8];
-    for byte in &mut data[..length] {
-        rest.skip_blanks();
-        *byte = rest.pair().ok_or(problem(
-            "fewer data than the length in brackets says",
-            "as many bytes of two hexadecimal digits each",
-        ))?;
+    let bytes = &mut data[..length];
+    if !bytes.is_empty() {
+        read_bytes(rest, bytes)?;
     }
     if rest
         .0
@@ -328,10 +239,46 @@ fn screen_layout(rest: &mut Cursor, id: Option<Id>) -> Parsed<(Content, bool)> {
     Ok((content(id, &data[..length], None), true))
 }
 
-fn content(id: Option<Id>, data: &[u8], remote_length: Option<usize>) -> Content {
-    let frame = id.and_then(|id| match remote_length {
+/// Reads bytes of two hexadecimal digits; of eight binary ones, as candump -i writes; or set apart by ` in
+/// reverse order, as -S does.
+fn read_bytes(rest: &mut Cursor, bytes: &mut [u8]) -> Parsed<()> {
+    let start = rest.0.trim_ascii_start();
+    let is_binary = start
+        .get(..8)
+        .is_some_and(|word| word.iter().all(|byte| matches!(byte, b'0' | b'1')))
+        && start.get(8).is_none_or(u8::is_ascii_whitespace);
+    let is_swapped = start.get(2) == Some(&b'`');
+    for byte in bytes.iter_mut() {
+        rest.skip_blanks();
+        let value = if is_binary { rest.bits() } else { rest.pair() };
+        *byte = value.ok_or(problem(
+            "fewer data than the length in brackets says",
+            "as many bytes of two hexadecimal digits each",
+        ))?;
+        let is_apart = match rest.0.first() {
+            Some(b'`') if is_swapped => rest.take(b'`'),
+            Some(next) => next.is_ascii_whitespace(),
+            None => true,
+        };
+        if !is_apart {
+            return Err(problem("no frame data", "bytes set apart by blanks"));
+        }
+    }
+    if is_swapped {
+        bytes.reverse();
+    }
+    Ok(())
+}
+
+fn content(id: Identifier, data: &[u8], remote_length: Option<usize>) -> Content {
+    let id = match id {
+        Identifier::Classic(id) => id,
+        Identifier::BusError => return Content::BusError,
+        Identifier::ExtraLarge => return Content::ExtraLarge,
+    };
+    let frame = match remote_length {
         Some(length) => CanFrame::new_remote(id, length),
         None => CanFrame::new(id, data),
-    });
+    };
     frame.map_or(Content::BusError, Content::Frame)
 }

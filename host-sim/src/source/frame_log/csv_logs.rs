@@ -12,7 +12,7 @@
 //! * Data of python-can are in base64 (RFC 4648).
 //! * A row with more than 8 bytes is a CAN FD frame.
 
-use super::fields::{MOST_MICROS, fixed_point, identifier, number};
+use super::fields::{MOST_MICROS, identifier, number, signed_fixed_point};
 use super::line_problem::{LineProblem, Parsed, header_problem, problem};
 use super::text::{LineFormat, TextLine};
 use crate::source::can_frame::CanFrame;
@@ -127,7 +127,7 @@ const NO_ROW: LineProblem = problem("no frame", "as many columns as the header h
 /// The fields before the data.
 #[derive(Default)]
 struct Row {
-    micros: u64,
+    micros: i64,
     raw_id: u32,
     is_extended: bool,
     is_remote: bool,
@@ -172,6 +172,9 @@ impl LineFormat for CsvLog {
     fn parse(&mut self, line: &[u8], interfaces: &mut Interfaces) -> Parsed<TextLine> {
         let line = line.trim_ascii();
         if line.is_empty() {
+            return Ok(TextLine::Blank);
+        }
+        if line.starts_with(b"#") {
             return Ok(TextLine::Other);
         }
         if self.columns.is_empty() {
@@ -195,18 +198,18 @@ fn column(name: &[u8]) -> Column {
     }
 }
 
-/// Reads seconds, with an exponent if they are few, or microseconds.
-fn time(field: &[u8], is_seconds: bool) -> Parsed<u64> {
+/// Reads seconds, with an exponent if they are few, or whole microseconds.
+fn time(field: &[u8], is_seconds: bool) -> Parsed<i64> {
     let micros = if is_seconds {
-        fixed_point(field, 6).or_else(|| {
+        signed_fixed_point(field, 6).or_else(|| {
             let seconds: f64 = str::from_utf8(field).ok()?.parse().ok()?;
             let micros = (seconds * 1e6).round();
-            (0.0..=MOST_MICROS as f64)
-                .contains(&micros)
-                .then_some(micros as u64)
+            (micros.abs() <= MOST_MICROS as f64).then_some(micros as i64)
         })
     } else {
-        fixed_point(field, 0)
+        // With a point they would be another unit.
+        let is_whole = !field.contains(&b'.');
+        is_whole.then(|| signed_fixed_point(field, 0)).flatten()
     };
     micros.ok_or(problem(
         "no time",

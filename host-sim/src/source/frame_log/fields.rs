@@ -7,7 +7,7 @@ use embedded_can::{ExtendedId, Frame, Id, StandardId};
 /// Maximum number of digits before the point: microseconds then still fit 64 bits.
 const MOST_WHOLE_DIGITS: usize = 12;
 /// Latest time of a log, as for candump: estimates do not overflow.
-pub(super) const MOST_MICROS: u64 = 1_000_000_000_000_000_000;
+pub(super) const MOST_MICROS: i64 = 1_000_000_000_000_000_000;
 /// Maximum number of data bytes of a classic frame.
 const MOST_BYTES: usize = 8;
 
@@ -48,6 +48,60 @@ pub(super) fn fixed_point(word: &[u8], places: usize) -> Option<u64> {
         .try_fold(0_u64, |value, digit| {
             value.checked_mul(10)?.checked_add(u64::from(digit - b'0'))
         })
+}
+
+/// Returns the value of a number with a sign, as [`fixed_point`] does.
+pub(super) fn signed_fixed_point(word: &[u8], places: usize) -> Option<i64> {
+    let (digits, sign) = match word {
+        [b'-', digits @ ..] => (digits, -1),
+        digits => (digits, 1),
+    };
+    let value = i64::try_from(fixed_point(digits, places)?).ok()?;
+    Some(sign * value)
+}
+
+/// The digits of the fractions of a log's seconds.
+///
+/// Some writers count microseconds on to 1000000 instead of to the next second: among fractions of six
+/// digits, one of seven is a count of microseconds.
+#[derive(Default)]
+pub(super) struct FractionDigits {
+    six: u64,
+    seven: u64,
+}
+
+impl FractionDigits {
+    /// Takes a fraction of so many digits. Returns true if it is a count of microseconds.
+    pub(super) const fn is_overflow(&mut self, digits: usize) -> bool {
+        match digits {
+            6 => self.six += 1,
+            7 => {
+                let is_overflow = self.six >= 3 * (self.seven + 1);
+                self.seven += 1;
+                return is_overflow;
+            }
+            _ => {}
+        }
+        false
+    }
+
+    /// Reads seconds in microseconds.
+    pub(super) fn micros(&mut self, word: &[u8]) -> Option<i64> {
+        let point = word.iter().position(|byte| matches!(byte, b'.' | b','));
+        let digits = point.map_or(0, |at| word.len() - at - 1);
+        if !self.is_overflow(digits) {
+            return signed_fixed_point(word, 6);
+        }
+        let (whole, fraction) = word.split_at(point?);
+        let fraction = number(fraction.get(1..)?, 10)?;
+        let seconds = signed_fixed_point(whole, 6)?;
+        overflowed(seconds, fraction)
+    }
+}
+
+/// Returns the microseconds of seconds and a count that may be more than one.
+pub(super) fn overflowed(whole_us: i64, fraction_us: u32) -> Option<i64> {
+    (whole_us >= 0 && fraction_us < 2_000_000).then(|| whole_us + i64::from(fraction_us))
 }
 
 /// Returns the value of a word of digits only.

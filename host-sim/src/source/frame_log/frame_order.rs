@@ -1,108 +1,90 @@
 //! The order of frames in time.
+//!
+//! Loggers store channels in chunks, programs sort by identifier, and groups of a file interleave. So
+//! frames are held back and put in order: all of a log that is small enough, else the newest ones.
 
 use super::frame_reader::LoggedFrame;
-use crate::error::Error;
-use estimator_core::{Duration, Instant};
 use std::collections::VecDeque;
 
-/// Largest disorder of frames. Frames of two interfaces, or of two senders on a virtual one, can
-/// reach a logger in the wrong order.
-const DISORDER: Duration = Duration::from_millis(100);
-/// A frame later than the one before by more than this is held back: if the next frame continues
-/// from before, its time stamp is damaged.
-const JUMP: Duration = Duration::from_millis(60_000);
+/// Most frames that wait: 8 MiB, some minutes of a bus.
+const MOST_WAITING: usize = 1 << 18;
+/// Most runs. Beyond them, all frames that wait are sorted into one.
+const MOST_RUNS: usize = 4096;
 
-/// What is expected of the times of a log, for messages.
-pub(super) const IN_ORDER: &str = "times that do not decrease by more than 100 ms";
-
-/// Frames that may not be in order yet. Memory: those of 100 ms.
+/// Frames that may not be in order yet.
+///
+/// They wait in runs, each of which is in order. The last times of the runs fall, so that a frame goes
+/// to the first run whose last time is not later; frames of the same time keep their order. A log that
+/// is in order has one run.
 #[derive(Default)]
 pub(super) struct FrameOrder {
-    newest: Option<Instant>,
-    waiting: VecDeque<LoggedFrame>,
-    /// A frame far ahead, and the error of its time stamp.
-    ahead: Option<(LoggedFrame, Error)>,
+    runs: Vec<VecDeque<LoggedFrame>>,
+    waiting: usize,
+    /// Time of the newest frame that was let go, µs.
+    gone: Option<i64>,
     is_over: bool,
 }
 
-/// What became of a frame.
-pub(super) enum Placed {
-    InOrder,
-    /// It is too old: the problem in words.
-    TooOld(String),
-    /// The frame before it was too far ahead: the error of that.
-    WasAhead(Error),
-}
-
 impl FrameOrder {
-    /// Takes the next frame of the log. `error` makes the error of its place.
-    pub(super) fn put(&mut self, logged: LoggedFrame, error: impl FnOnce(&str) -> Error) -> Placed {
-        let mut placed = Placed::InOrder;
-        if let Some((ahead, problem)) = self.ahead.take() {
-            if ahead.time.since(logged.time) > DISORDER {
-                placed = Placed::WasAhead(problem);
-            } else {
-                self.insert(ahead);
-            }
+    /// Takes a frame. Returns false if a later one is gone already.
+    pub(super) fn put(&mut self, logged: LoggedFrame) -> bool {
+        if self.gone.is_some_and(|gone| logged.micros < gone) {
+            return false;
         }
-        let Some(newest) = self.newest else {
-            self.insert(logged);
-            return placed;
+        let is_later = |run: &VecDeque<LoggedFrame>| {
+            run.back().is_some_and(|last| last.micros > logged.micros)
         };
-        if newest.since(logged.time) > DISORDER {
-            let (newest, logged) = (Seconds(newest), Seconds(logged.time));
-            return Placed::TooOld(format!("time runs backwards, from {newest} to {logged}"));
+        let at = self.runs.partition_point(is_later);
+        match self.runs.get_mut(at) {
+            Some(run) => run.push_back(logged),
+            None => self.runs.push(VecDeque::from([logged])),
         }
-        if logged.time.since(newest) > JUMP {
-            let (newest, time) = (Seconds(newest), Seconds(logged.time));
-            let problem = format!("time jumps from {newest} to {time} and back");
-            self.ahead = Some((logged, error(&problem)));
-            return placed;
+        self.waiting += 1;
+        if self.runs.len() > MOST_RUNS {
+            let mut all: Vec<LoggedFrame> = self.runs.drain(..).flatten().collect();
+            all.sort_by_key(|frame| frame.micros);
+            self.runs.push(all.into());
         }
-        self.insert(logged);
-        placed
-    }
-
-    /// Inserts a frame behind all that are not later.
-    fn insert(&mut self, logged: LoggedFrame) {
-        let newest = self.newest.get_or_insert(logged.time);
-        *newest = (*newest).max(logged.time);
-        let later = self.waiting.iter().rev();
-        let later = later.take_while(|frame| frame.time > logged.time).count();
-        self.waiting.insert(self.waiting.len() - later, logged);
+        true
     }
 
     /// Lets all frames go: the log is over.
-    pub(super) fn end(&mut self) {
-        if let Some((ahead, _)) = self.ahead.take() {
-            self.insert(ahead);
-        }
+    pub(super) const fn end(&mut self) {
         self.is_over = true;
     }
 
-    /// Returns the next frame that no frame of the log can precede.
+    /// Forgets all frames that wait.
+    pub(super) fn clear(&mut self) {
+        self.runs.clear();
+        self.waiting = 0;
+    }
+
+    /// Returns the next frame, if no frame that still comes should precede it.
     pub(super) fn next(&mut self) -> Option<LoggedFrame> {
-        let first = self.waiting.front()?;
-        let is_due = self.is_over || self.newest?.since(first.time) > DISORDER;
-        if is_due {
-            self.waiting.pop_front()
-        } else {
-            None
+        if !self.is_over && self.waiting <= MOST_WAITING {
+            return None;
         }
+        let first = |run: &VecDeque<LoggedFrame>| run.front().map_or(i64::MAX, |f| f.micros);
+        let (at, _) = self
+            .runs
+            .iter()
+            .enumerate()
+            .min_by_key(|(_, run)| first(run))?;
+        let run = self.runs.get_mut(at)?;
+        let next = run.pop_front()?;
+        if run.is_empty() {
+            self.runs.remove(at);
+        }
+        self.waiting -= 1;
+        self.gone = Some(next.micros);
+        Some(next)
     }
 
-    /// Returns the frames behind the one that came last, in order.
-    pub(super) fn waiting(&self) -> impl Iterator<Item = &LoggedFrame> {
-        self.waiting.iter()
-    }
-}
-
-/// A time as candump writes it.
-pub(in crate::source) struct Seconds(pub(in crate::source) Instant);
-
-impl std::fmt::Display for Seconds {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let micros = self.0.micros();
-        write!(f, "{}.{:06} s", micros / 1_000_000, micros % 1_000_000)
+    /// Returns the frames that wait up to a time, in no order.
+    pub(super) fn waiting_until(&self, micros: i64) -> impl Iterator<Item = &LoggedFrame> {
+        let early = move |frame: &&LoggedFrame| frame.micros <= micros;
+        self.runs
+            .iter()
+            .flat_map(move |run| run.iter().take_while(early))
     }
 }

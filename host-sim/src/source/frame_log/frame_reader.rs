@@ -5,12 +5,13 @@ use crate::source::can_frame::CanFrame;
 use crate::source::damage::DamageCheck;
 use crate::source::interfaces::{InterfaceIndex, Interfaces};
 use crate::source::log_file::LogFile;
-use estimator_core::Instant;
+use std::fmt;
 
 /// A frame as a log has it.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::source) struct LoggedFrame {
-    pub time: Instant,
+    /// Time in the log, µs; negative before the trigger of a measurement.
+    pub micros: i64,
     pub interface: InterfaceIndex,
     pub frame: CanFrame,
 }
@@ -20,8 +21,29 @@ pub(in crate::source) struct LoggedFrame {
 pub struct Skipped {
     /// CAN FD frames: J1939 on classic CAN and NMEA 2000 have none.
     pub can_fd: u64,
+    /// CAN XL frames.
+    pub can_xl: u64,
+    /// Records that their file marks as invalid.
+    pub invalid: u64,
     /// Bus errors that the interface reported.
     pub bus_errors: u64,
+}
+
+impl Skipped {
+    /// Returns what was skipped, in words; `None` if that is nothing.
+    pub(super) fn words(&self) -> Option<String> {
+        let counts = [
+            (self.can_fd, "CAN FD frames"),
+            (self.can_xl, "CAN XL frames"),
+            (self.bus_errors, "bus errors"),
+            (self.invalid, "records marked as invalid"),
+        ];
+        let found = counts.iter().filter(|(count, _)| *count > 0);
+        let words: Vec<String> = found
+            .map(|(count, what)| format!("{count} {what}"))
+            .collect();
+        (!words.is_empty()).then(|| words.join(", "))
+    }
 }
 
 /// What a reader notes of its log.
@@ -48,14 +70,14 @@ impl LogNotes {
     /// Counts a frame and returns it.
     pub(super) fn frame(
         &mut self,
-        micros: u64,
+        micros: i64,
         interface: InterfaceIndex,
         frame: CanFrame,
     ) -> LoggedFrame {
         self.frames += 1;
         self.interfaces.count_frame(interface);
         LoggedFrame {
-            time: Instant::from_micros(micros),
+            micros,
             interface,
             frame,
         }
@@ -83,5 +105,22 @@ pub(in crate::source) trait FrameReader: Send {
     fn lines(&self) -> u64 {
         let notes = self.notes();
         notes.frames + notes.damage.found().lines
+    }
+}
+
+/// A time in microseconds, as candump writes it.
+#[derive(Clone, Copy)]
+pub(in crate::source) struct Seconds(pub(in crate::source) i64);
+
+impl fmt::Display for Seconds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sign = if self.0 < 0 { "-" } else { "" };
+        let micros = self.0.unsigned_abs();
+        write!(
+            f,
+            "{sign}{}.{:06} s",
+            micros / 1_000_000,
+            micros % 1_000_000
+        )
     }
 }

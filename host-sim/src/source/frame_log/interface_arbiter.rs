@@ -6,15 +6,14 @@
 //! interface. The core arbitrates between what is left.
 
 use super::frame_reader::LoggedFrame;
+use crate::numeric::quick_hash::QuickMap;
 use crate::source::can_frame::CanFrame;
 use crate::source::interfaces::InterfaceIndex;
 use embedded_can::{Frame, Id};
-use estimator_core::{Duration, Instant};
-use std::collections::HashMap;
 
-/// Silence after which another interface may stand in, as between sources in the core. Twice the
+/// Silence, µs, after which another interface may stand in, as between sources in the core. Twice the
 /// period of the message is added.
-const TIMEOUT: Duration = Duration::from_millis(5_000);
+const TIMEOUT_US: i64 = 5_000_000;
 /// Most identifiers that are remembered; J1939 trucks have some hundred.
 const MOST: usize = 1 << 16;
 /// Bits of an identifier without its priority.
@@ -26,14 +25,14 @@ struct Ownership {
     owner: InterfaceIndex,
     /// The interface that is in use.
     user: InterfaceIndex,
-    seen: Instant,
-    period: Duration,
+    seen_us: i64,
+    period_us: i64,
 }
 
 /// The interface that owns each identifier.
 #[derive(Default)]
 pub(super) struct InterfaceArbiter {
-    identifiers: HashMap<u32, Ownership>,
+    identifiers: QuickMap<Ownership>,
 }
 
 fn key_of(frame: &CanFrame) -> u32 {
@@ -51,7 +50,7 @@ impl InterfaceArbiter {
         logged: &LoggedFrame,
         mut following: impl Iterator<Item = &'a LoggedFrame>,
     ) -> bool {
-        let key = key_of(&logged.frame);
+        let key = u64::from(key_of(&logged.frame));
         let Some(ownership) = self.identifiers.get_mut(&key) else {
             let is_older = |other: &LoggedFrame| {
                 other.interface < logged.interface && other.frame == logged.frame
@@ -73,24 +72,24 @@ impl Ownership {
         Self {
             owner: logged.interface,
             user: logged.interface,
-            seen: logged.time,
-            period: Duration::from_micros(0),
+            seen_us: logged.micros,
+            period_us: 0,
         }
     }
 
     fn admits(&mut self, logged: &LoggedFrame) -> bool {
-        let silence = logged.time.since(self.seen);
+        let silence_us = logged.micros - self.seen_us;
         if logged.interface == self.user {
-            self.period = silence;
-            self.seen = logged.time;
+            self.period_us = silence_us;
+            self.seen_us = logged.micros;
             return true;
         }
-        let patience = TIMEOUT.micros().saturating_add(2 * self.period.micros());
-        if logged.interface != self.owner && silence.micros() <= patience {
+        let patience_us = TIMEOUT_US.saturating_add(2 * self.period_us);
+        if logged.interface != self.owner && silence_us <= patience_us {
             return false;
         }
         self.user = logged.interface;
-        self.seen = logged.time;
+        self.seen_us = logged.micros;
         true
     }
 }

@@ -8,6 +8,7 @@ mod blf_layout;
 mod blf_object;
 mod calendar;
 mod candump;
+mod candump_cursor;
 mod candump_line;
 mod csv_logs;
 mod fields;
@@ -15,11 +16,13 @@ mod frame_order;
 mod frame_reader;
 mod interface_arbiter;
 mod line_problem;
+mod log_clock;
 mod mdf;
+mod refusals;
 mod text;
 mod trc;
 
-pub(super) use frame_order::Seconds;
+pub(super) use frame_reader::Seconds;
 pub use frame_reader::Skipped;
 
 use super::can_frame::TimedFrame;
@@ -31,26 +34,28 @@ use super::log_report::LogReport;
 use super::read_options::ReadOptions;
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
-use crate::files::log_format::LogFormat;
+use crate::files::log_format::{LogFormat, format_of};
 use crate::files::utc::utc_text;
 use asc::Asc;
 use blf::BlfReader;
 use candump::Candump;
 use csv_logs::CsvLog;
 use estimator_core::Instant;
-use frame_order::{FrameOrder, IN_ORDER, Placed};
+use frame_order::FrameOrder;
 use frame_reader::{FrameReader, LoggedFrame};
 use interface_arbiter::InterfaceArbiter;
+use log_clock::{DISORDER_US, IN_ORDER, LogClock, Placed};
 use mdf::MdfReader;
 use std::path::Path;
 use text::{LineFormat, TextReader};
 use trc::Trc;
 
 /// Times after this are those since the Unix epoch: 2001-09-09. A measurement is shorter.
-const EPOCH_FROM: Instant = Instant::from_micros(1_000_000_000_000_000);
+const EPOCH_FROM_US: i64 = 1_000_000_000_000_000;
 
 /// What to do with a log whose times begin again.
-const RESTARTED: &str = "if the clock begins again there, cut the log into one for each drive";
+const RESTARTED: &str = "if the clock was set back within a drive, give --rejoin; if another drive begins \
+                         there, cut the log into one for each drive";
 
 /// Reader of a recording of a bus.
 ///
@@ -58,15 +63,17 @@ const RESTARTED: &str = "if the clock begins again there, cut the log into one f
 /// microseconds. In the formats of Vector and PEAK they begin with the measurement.
 pub struct FrameLog {
     kind: LogKind,
+    /// What to say if there is no frame: the first bytes are of no format.
+    unknown: Option<String>,
     reader: Box<dyn FrameReader>,
+    clock: LogClock,
     order: FrameOrder,
     arbiter: InterfaceArbiter,
     /// Names of the interfaces to read; of all if empty.
     interfaces: Vec<String>,
     selected: u64,
-    first: Option<Instant>,
-    /// Frames that are older than those before them.
-    too_old: u64,
+    /// Time of the first frame in the log, µs.
+    first_us: Option<i64>,
     is_over: bool,
 }
 
@@ -80,16 +87,22 @@ impl FrameLog {
     /// # Errors
     /// Returns an error if the file cannot be opened.
     pub fn open_candump(path: &Path) -> Result<Self> {
-        Self::new(LogFile::open(path)?, None, &ReadOptions::default())
+        let mut file = LogFile::open(path)?;
+        let format = format_of(file.look_at_head());
+        Self::new(file, format, &ReadOptions::default())
     }
 
-    /// Creates a reader of an open log; without a format it is one of candump.
+    /// Creates a reader of an open log; without a format it may be one of candump.
     pub(super) fn new(
         mut file: LogFile,
         format: Option<LogFormat>,
         options: &ReadOptions,
     ) -> Result<Self> {
         let strict = options.strict;
+        let unknown = match format {
+            None => refusals::unknown_format(file.look_at_head()),
+            Some(_) => None,
+        };
         let (kind, reader) = match format {
             Some(LogFormat::Asc) => (LogKind::Asc, text(file, Asc::default(), strict)),
             Some(LogFormat::Trc) => (LogKind::Trc, text(file, Trc::default(), strict)),
@@ -103,20 +116,21 @@ impl FrameLog {
                 let reader = text(file, CsvLog::python_can(), strict);
                 (LogKind::PythonCan, reader)
             }
-            None => {
+            Some(LogFormat::Candump) | None => {
                 let format = Candump::of_head(file.look_at_head());
                 (LogKind::Candump, text(file, format, strict))
             }
         };
         Ok(Self {
             kind,
+            unknown,
             reader,
+            clock: LogClock::new(options.rejoin),
             order: FrameOrder::default(),
             arbiter: InterfaceArbiter::default(),
             interfaces: options.interfaces.clone(),
             selected: 0,
-            first: None,
-            too_old: 0,
+            first_us: None,
             is_over: false,
         })
     }
@@ -131,13 +145,12 @@ impl FrameLog {
         loop {
             if let Some(logged) = self.order.next() {
                 let notes = self.reader.notes_mut();
-                if !self.arbiter.admits(&logged, self.order.waiting()) {
+                let following = self.order.waiting_until(logged.micros + DISORDER_US);
+                if !self.arbiter.admits(&logged, following) {
                     notes.interfaces.count_duplicate(logged.interface);
                     continue;
                 }
-                self.first.get_or_insert(logged.time);
-                let LoggedFrame { time, frame, .. } = logged;
-                return Ok(Some(TimedFrame { time, frame }));
+                return Ok(Some(self.timed(&logged)));
             }
             if self.is_over {
                 return Ok(None);
@@ -153,6 +166,8 @@ impl FrameLog {
                 Some(logged) => self.place(logged)?,
                 None => {
                     self.is_over = true;
+                    let last = self.clock.end();
+                    last.map_or(Ok(()), |last| self.take(last))?;
                     self.order.end();
                     self.end()?;
                 }
@@ -160,7 +175,7 @@ impl FrameLog {
         }
     }
 
-    fn place(&mut self, logged: LoggedFrame) -> Result<()> {
+    fn place(&mut self, mut logged: LoggedFrame) -> Result<()> {
         if !self.interfaces.is_empty() {
             let name = self.reader.notes().interfaces.name(logged.interface);
             let is_same = |wanted: &String| wanted.eq_ignore_ascii_case(name);
@@ -169,20 +184,41 @@ impl FrameLog {
             }
         }
         self.selected += 1;
-        let reader = &mut self.reader;
-        let problem = match self
-            .order
-            .put(logged, |problem| reader.error(problem, IN_ORDER))
-        {
-            Placed::InOrder => return Ok(()),
-            Placed::TooOld(problem) => {
-                self.too_old += 1;
-                reader.error(&problem, IN_ORDER)
+        if self.clock.takes(&mut logged) {
+            return self.take(Placed::Taken(logged));
+        }
+        let reader = &self.reader;
+        let error = |problem: &str| reader.error(problem, IN_ORDER);
+        let placed = self.clock.place(logged, error);
+        placed.into_iter().try_for_each(|placed| self.take(placed))
+    }
+
+    fn take(&mut self, placed: Placed) -> Result<()> {
+        let problem = match placed {
+            Placed::Taken(logged) if self.order.put(logged) => return Ok(()),
+            Placed::Taken(logged) => {
+                let time = Seconds(logged.micros);
+                let problem = format!("{time} stands too far behind later times");
+                self.reader.error(&problem, IN_ORDER)
             }
-            Placed::WasAhead(problem) => problem,
+            Placed::LeftOut(problem) => problem,
+            Placed::FirstIsWrong(problem) => {
+                self.order.clear();
+                problem
+            }
         };
-        let notes = reader.notes_mut();
+        let notes = self.reader.notes_mut();
         notes.damage.line(problem, notes.frames)
+    }
+
+    /// Returns a frame at its time from that of the first one, if that is negative.
+    fn timed(&mut self, logged: &LoggedFrame) -> TimedFrame {
+        let first_us = *self.first_us.get_or_insert(logged.micros);
+        let micros = logged.micros.saturating_sub(first_us.min(0));
+        TimedFrame {
+            time: Instant::from_micros(u64::try_from(micros).unwrap_or(0)),
+            frame: logged.frame,
+        }
     }
 
     /// Checks the whole log at its end.
@@ -197,15 +233,18 @@ impl FrameLog {
         let (lines, bytes) = (self.reader.lines(), self.file().bytes_read());
         let notes = self.reader.notes_mut();
         if notes.frames == 0 {
-            return Err(match notes.damage.take_first() {
-                Some(error) => self.explained(error),
-                None => self.no_frames(),
+            return Err(match (notes.damage.take_first(), &self.unknown) {
+                (Some(error), _) => self.explained(error),
+                (None, Some(unknown)) => {
+                    self.explained(Error::content(self.file().path(), unknown))
+                }
+                (None, None) => self.no_frames(),
             });
         }
         if self.selected == 0 {
             return Err(self.no_interface());
         }
-        let is_restarted = 2 * self.too_old > notes.damage.found().lines;
+        let is_restarted = 2 * self.clock.too_old() > notes.damage.found().lines;
         notes.damage.end(lines, bytes).map_err(|error| {
             if is_restarted {
                 error.with_note(RESTARTED)
@@ -217,35 +256,25 @@ impl FrameLog {
 
     /// Returns the error, or one that says that another file may have taken the log's place.
     fn explained(&self, error: Error) -> Error {
-        match self.kind {
-            LogKind::Candump => kind::explained(error, self.file().path(), &[Kind::Candump]),
-            _ => error,
+        if self.kind != LogKind::Candump {
+            return error;
         }
+        let path = self.file().path();
+        let error = match (&self.unknown, error) {
+            (Some(unknown), Error::Line { .. }) => Error::content(path, unknown),
+            (_, error) => error,
+        };
+        kind::explained(error, path, &[Kind::FrameLog(LogFormat::Candump)])
     }
 
     fn no_frames(&self) -> Error {
-        let Skipped { can_fd, bus_errors } = self.skipped();
-        let kind = self.kind;
-        let problem = if can_fd.saturating_add(bus_errors) > 0 {
-            format!(
-                "no classic CAN frame among {can_fd} CAN FD frames and {bus_errors} bus errors; \
-                 expected a {kind} of a J1939 bus"
-            )
-        } else if self.file().bytes_read() == 0 || kind == LogKind::Candump {
-            format!("the file is empty; expected a {kind} with at least one frame")
-        } else {
-            format!("no frames; expected a {kind} with at least one frame")
-        };
+        let is_empty = self.file().bytes_read() == 0 || self.kind == LogKind::Candump;
+        let problem = refusals::no_frames(self.kind, self.skipped(), is_empty);
         Error::content(self.file().path(), problem)
     }
 
     fn no_interface(&self) -> Error {
-        let names: Vec<&str> = self.interfaces().map(|count| &*count.name).collect();
-        let problem = format!(
-            "no frames of interface {}; expected one of {}",
-            self.interfaces.join(", "),
-            names.join(", ")
-        );
+        let problem = refusals::no_interface(&self.interfaces, self.interfaces());
         Error::content(self.file().path(), problem)
     }
 
@@ -269,11 +298,22 @@ impl FrameLog {
     /// Returns the time of the first frame, in microseconds since the Unix epoch, if the log has it.
     /// Some formats have the time in the time zone of the logger, which they do not tell.
     fn start_unix_micros(&self) -> Option<u64> {
-        let first = self.first?;
+        let first_us = self.first_us?;
         match self.reader.notes().origin_us {
-            Some(origin) => origin.checked_add(first.micros()),
-            None => (first >= EPOCH_FROM).then_some(first.micros()),
+            Some(origin) => origin.checked_add_signed(first_us),
+            None if first_us >= EPOCH_FROM_US => u64::try_from(first_us).ok(),
+            None => None,
         }
+    }
+
+    /// Returns what was mended of the times, in words.
+    fn mended(&self) -> Vec<String> {
+        let negative = self.first_us.filter(|first_us| *first_us < 0);
+        let negative = negative.map(|first_us| {
+            let first = Seconds(first_us);
+            format!("times begin at {first}; moved to begin with zero")
+        });
+        self.clock.mended().chain(negative).collect()
     }
 
     /// Returns what the reading told so far.
@@ -283,6 +323,7 @@ impl FrameLog {
             damage: self.damage().clone(),
             interfaces: self.interfaces().cloned().collect(),
             start_utc: self.start_unix_micros().and_then(utc_text),
+            mended: self.mended(),
             ..LogReport::default()
         }
     }

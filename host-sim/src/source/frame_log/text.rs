@@ -11,10 +11,12 @@ use crate::source::packing::Joint;
 
 /// The content of a line.
 pub(super) enum TextLine {
+    /// A blank line.
+    Blank,
     /// A header, a comment or an event that is not a frame.
     Other,
     Frame {
-        micros: u64,
+        micros: i64,
         interface: InterfaceIndex,
         frame: CanFrame,
         /// True if the line cannot be truncated.
@@ -22,6 +24,8 @@ pub(super) enum TextLine {
     },
     /// A CAN FD frame.
     FlexibleRate,
+    /// A CAN XL frame.
+    ExtraLarge,
     BusError,
 }
 
@@ -46,7 +50,12 @@ pub(super) struct TextReader<F> {
     notes: LogNotes,
     /// Grows with damaged lines, and falls with good ones.
     damage_score: u32,
+    /// Lines that are no frames.
+    other_lines: u64,
 }
+
+/// Most lines before the first frame: a log of ASC or TRC may begin with a long list of events.
+const MOST_BEFORE_FRAMES: u64 = 1 << 20;
 
 /// What a damaged line adds to the score, and the score of packed data that unpack to nonsense: some
 /// ten damaged lines among a hundred.
@@ -61,6 +70,7 @@ impl<F: LineFormat> TextReader<F> {
             lines: Lines::new(file),
             notes: LogNotes::new(is_strict),
             damage_score: 0,
+            other_lines: 0,
         }
     }
 
@@ -85,8 +95,15 @@ impl<F: LineFormat> TextReader<F> {
                 self.notes.damage.line(error, self.notes.frames)?;
             }
             Ok(TextLine::FlexibleRate) if is_whole => self.notes.skipped.can_fd += 1,
+            Ok(TextLine::ExtraLarge) if is_whole => self.notes.skipped.can_xl += 1,
             Ok(TextLine::BusError) if is_whole => self.notes.skipped.bus_errors += 1,
-            Ok(TextLine::Other) if is_whole || self.lines.line().is_empty() => {
+            Ok(TextLine::Blank) => {}
+            Ok(TextLine::Other) if is_whole => {
+                self.other_lines += 1;
+                if self.notes.frames == 0 && self.other_lines > MOST_BEFORE_FRAMES {
+                    let error = self.error("no frame so far", "a frame among the first lines");
+                    return Err(error);
+                }
                 if self.lines.is_binary() {
                     let problem = format!("binary data in `{}`", self.lines.quote());
                     let error = self.error(&problem, "lines of text");

@@ -20,7 +20,7 @@
 //! * An identifier of more than 4 digits has 29 bits, any other 11 bits. PEAK's programs write 8 and 4
 //!   digits, others leave out zeros.
 
-use super::fields::{Words, data_frame, fixed_point, identifier, length_of, number};
+use super::fields::{Words, data_frame, identifier, length_of, number, signed_fixed_point};
 use super::line_problem::{LineProblem, Parsed, header_problem, problem};
 use super::text::{LineFormat, TextLine};
 use crate::source::can_frame::CanFrame;
@@ -115,8 +115,10 @@ impl LineFormat for Trc {
 
     fn parse(&mut self, line: &[u8], interfaces: &mut Interfaces) -> Parsed<TextLine> {
         match line.trim_ascii() {
-            [] => Ok(TextLine::Other),
+            [] => Ok(TextLine::Blank),
             [b';', header @ ..] => self.header(header).map(|()| TextLine::Other),
+            // Messages begin with their number.
+            [first, ..] if !first.is_ascii_digit() => Ok(TextLine::Other),
             line if !self.has_version => {
                 // A log of version 1.0 names no version.
                 self.columns = COLUMNS_1_0.to_vec();
@@ -249,8 +251,8 @@ fn column(name: &[u8]) -> Column {
 }
 
 /// Reads a time in milliseconds; returns microseconds.
-fn time(word: Option<&[u8]>) -> Parsed<u64> {
-    let micros = word.and_then(|word| fixed_point(word, 3));
+fn time(word: Option<&[u8]>) -> Parsed<i64> {
+    let micros = word.and_then(|word| signed_fixed_point(word, 3));
     micros.ok_or(problem(
         "no time",
         "milliseconds since the start, such as `2.300`",

@@ -1,9 +1,9 @@
 //! Messages and signals of a `.dbc` file, with the place of each number worked out.
 
-use can_dbc::{
-    ByteOrder, Dbc, Message, MessageId, MultiplexIndicator, NumericValue, Signal,
-    SignalExtendedValueType, ValueType,
-};
+use super::dbc::MessageParts;
+use super::dbc_attributes::Attributes;
+use super::dbc_statement::SignalStatement;
+use super::dbc_text::EXTENDED;
 use estimator_core::signal::Pgn;
 use estimator_core::signal::own_message::{FrameMatch, Multiplexer};
 use estimator_core::signal::raw_field::{self, NumberKind, RawField};
@@ -18,8 +18,10 @@ const DEEPEST: usize = 8;
 /// A message.
 #[derive(Debug)]
 pub struct DbcMessage {
-    /// Its name.
+    /// Its name; the long one, where the file has it.
     pub name: String,
+    /// The name in the statement.
+    pub short_name: String,
     /// Its frames: those of a parameter group if the file says so, or if the source address in its
     /// identifier is that of no sender.
     pub frames: FrameMatch,
@@ -30,8 +32,10 @@ pub struct DbcMessage {
 /// A signal of a message.
 #[derive(Debug)]
 pub struct DbcSignal {
-    /// Its name.
+    /// Its name; the long one, where the file has it.
     pub name: String,
+    /// The name in the statement.
+    pub short_name: String,
     /// Its place in the payload; or, why it cannot be read.
     pub field: Result<RawField, String>,
     /// Its multiplexers, all of which select it.
@@ -79,23 +83,43 @@ impl DbcMessage {
     }
 
     /// Creates the message of a file.
-    pub(super) fn new(dbc: &Dbc, message: &Message, is_j1939: bool) -> Self {
+    pub(super) fn new(parts: &MessageParts, attributes: &Attributes) -> Self {
+        let long = attributes.messages.get(&parts.number);
+        let signals = parts.signals.iter();
         Self {
-            name: message.name.clone(),
-            frames: frames_of(message, is_j1939),
-            signals: message
-                .signals
-                .iter()
-                .map(|signal| DbcSignal::new(dbc, message, signal))
+            name: long_or(long, &parts.name),
+            short_name: parts.name.clone(),
+            frames: frames_of(parts.number, attributes.is_j1939(parts.number)),
+            signals: signals
+                .map(|(name, signal)| {
+                    let key = (parts.number, name.clone());
+                    let long = long_or(attributes.signals.get(&key), name);
+                    DbcSignal::new(parts, name, long, signal)
+                })
                 .collect(),
         }
     }
+
+    /// Returns whether this is its name, the long or the short one.
+    #[must_use]
+    pub fn is_named(&self, name: &str) -> bool {
+        self.name == name || self.short_name == name
+    }
 }
 
-fn frames_of(message: &Message, is_j1939: bool) -> FrameMatch {
-    match message.id {
-        MessageId::Standard(id) => FrameMatch::Standard(id),
-        MessageId::Extended(id) => {
+/// Returns a long name, unless it is empty.
+fn long_or(long: Option<&String>, name: &str) -> String {
+    match long {
+        Some(long) if !long.is_empty() => long.clone(),
+        _ => name.to_owned(),
+    }
+}
+
+fn frames_of(number: u32, is_j1939: bool) -> FrameMatch {
+    match u16::try_from(number) {
+        Ok(id) => FrameMatch::Standard(id),
+        Err(_) => {
+            let id = number & !EXTENDED;
             let pgn = Pgn::from_raw(id);
             if is_j1939 || pgn.source == NULL_ADDRESS {
                 FrameMatch::Group(pgn.number)
@@ -107,19 +131,40 @@ fn frames_of(message: &Message, is_j1939: bool) -> FrameMatch {
 }
 
 impl DbcSignal {
-    fn new(dbc: &Dbc, message: &Message, signal: &Signal) -> Self {
-        let mut multiplexers = Vec::new();
-        let selected = switches(dbc, message, &signal.name, &mut multiplexers, DEEPEST);
-        let field = field_of(signal, kind_of(dbc, message, signal));
-        Self {
-            name: signal.name.clone(),
-            field: selected.and(field),
-            multiplexers,
-            factor: signal.factor,
-            offset: signal.offset,
-            unit: signal.unit.clone(),
-            range: (number(signal.min), number(signal.max)),
+    fn new(
+        parts: &MessageParts,
+        name: &str,
+        long: String,
+        signal: &Result<SignalStatement, String>,
+    ) -> Self {
+        let mut found = Self {
+            name: long,
+            short_name: name.to_owned(),
+            field: Err(String::new()),
+            multiplexers: Vec::new(),
+            factor: 1.0,
+            offset: 0.0,
+            unit: String::new(),
+            range: (0.0, 0.0),
+        };
+        match signal {
+            Ok(signal) => {
+                let selected = switches(parts, name, signal, &mut found.multiplexers, DEEPEST);
+                let field = kind_of(parts, name, signal).and_then(|kind| field_of(signal, kind));
+                found.field = selected.and(field);
+                (found.factor, found.offset) = (signal.factor, signal.offset);
+                found.unit.clone_from(&signal.unit);
+                found.range = signal.range;
+            }
+            Err(problem) => found.field = Err(problem.clone()),
         }
+        found
+    }
+
+    /// Returns whether this is its name, the long or the short one.
+    #[must_use]
+    pub fn is_named(&self, name: &str) -> bool {
+        self.name == name || self.short_name == name
     }
 
     /// Reads the number from `payload`, in `unit`; `None` if the payload ends before it, or while a
@@ -135,37 +180,26 @@ impl DbcSignal {
     }
 }
 
-fn number(value: NumericValue) -> f64 {
-    match value {
-        NumericValue::Uint(number) => number as f64,
-        NumericValue::Int(number) => number as f64,
-        NumericValue::Double(number) => number,
-    }
-}
-
-fn kind_of(dbc: &Dbc, message: &Message, signal: &Signal) -> NumberKind {
-    let listed = dbc
-        .signal_extended_value_type_list
-        .iter()
-        .find(|listed| listed.message_id == message.id && listed.signal_name == signal.name);
-    match (
-        listed.map(|listed| listed.signal_extended_value_type),
-        signal.value_type,
-    ) {
-        (Some(SignalExtendedValueType::IEEEfloat32Bit), _) => NumberKind::Float32,
-        (Some(SignalExtendedValueType::IEEEdouble64bit), _) => NumberKind::Float64,
-        (_, ValueType::Signed) => NumberKind::Signed,
-        (_, ValueType::Unsigned) => NumberKind::Unsigned,
+fn kind_of(
+    parts: &MessageParts,
+    name: &str,
+    signal: &SignalStatement,
+) -> Result<NumberKind, String> {
+    match parts.kinds.get(name) {
+        Some(kind) => kind.clone(),
+        None if signal.is_signed => Ok(NumberKind::Signed),
+        None => Ok(NumberKind::Unsigned),
     }
 }
 
 /// Returns the place of a number; or, why there is none.
-fn field_of(signal: &Signal, kind: NumberKind) -> Result<RawField, String> {
-    let order = match signal.byte_order {
-        ByteOrder::LittleEndian => raw_field::ByteOrder::Intel,
-        ByteOrder::BigEndian => raw_field::ByteOrder::Motorola,
+fn field_of(signal: &SignalStatement, kind: NumberKind) -> Result<RawField, String> {
+    let order = if signal.is_motorola {
+        raw_field::ByteOrder::Motorola
+    } else {
+        raw_field::ByteOrder::Intel
     };
-    let (start_bit, bits) = (signal.start_bit, signal.size);
+    let (start_bit, bits) = (signal.start_bit, signal.bits);
     let field = match (u16::try_from(start_bit), u8::try_from(bits)) {
         (Ok(start_bit), Ok(bits)) => RawField::new(start_bit, bits, order, kind),
         _ => None,
@@ -191,53 +225,37 @@ fn field_of(signal: &Signal, kind: NumberKind) -> Result<RawField, String> {
 
 /// Collects the multiplexers of a signal: those that `SG_MUL_VAL_` lists, else the one of the message.
 fn switches(
-    dbc: &Dbc,
-    message: &Message,
+    parts: &MessageParts,
     name: &str,
+    signal: &SignalStatement,
     found: &mut Vec<Switch>,
     deepest: usize,
 ) -> Result<(), String> {
-    let of_name = |name: &str| message.signals.iter().find(|signal| signal.name == name);
-    let Some(signal) = of_name(name) else {
-        return Err(format!(
-            "is multiplexed by `{name}`, which its message lacks"
-        ));
-    };
-    let listed = dbc
-        .extended_multiplex
-        .iter()
-        .find(|listed| listed.message_id == message.id && listed.signal_name == name);
-    let (switch, ranges) = match (listed, signal.multiplexer_indicator) {
+    let mut others = parts.signals.iter();
+    let (switch, ranges) = match (parts.switches.get(name), signal.role.selected_by) {
         (Some(listed), _) => {
-            let pair = |of: &can_dbc::ExtendedMultiplexMapping| (of.min_value, of.max_value);
-            (
-                of_name(&listed.multiplexor_signal_name),
-                listed.mappings.iter().map(pair).collect(),
-            )
+            let (switch, ranges) = listed.clone()?;
+            (others.find(|(name, _)| *name == switch), ranges)
         }
-        (
-            None,
-            MultiplexIndicator::MultiplexedSignal(selecting)
-            | MultiplexIndicator::MultiplexorAndMultiplexedSignal(selecting),
-        ) => {
-            let is_switch =
-                |of: &&Signal| of.multiplexer_indicator == MultiplexIndicator::Multiplexor;
-            (
-                message.signals.iter().find(is_switch),
-                vec![(selecting, selecting)],
-            )
+        (None, Some(selecting)) => {
+            let is_switch = |(_, of): &&(String, Result<SignalStatement, String>)| {
+                of.as_ref()
+                    .is_ok_and(|of| of.role.is_switch && of.role.selected_by.is_none())
+            };
+            (others.find(is_switch), vec![(selecting, selecting)])
         }
-        (None, MultiplexIndicator::Plain | MultiplexIndicator::Multiplexor) => return Ok(()),
+        (None, None) => return Ok(()),
     };
-    let Some(switch) = switch else {
+    let Some((switch, statement)) = switch else {
         return Err("is multiplexed, and its message has no such multiplexer".to_owned());
     };
     if deepest == 0 {
         return Err("is multiplexed in a circle".to_owned());
     }
+    let by = |problem: &str| format!("is multiplexed by `{switch}`, which {problem}");
+    let statement = statement.as_ref().map_err(|problem| by(problem))?;
     // The numbers of a multiplexer are unsigned, whatever the file says.
-    let field = field_of(switch, NumberKind::Unsigned)
-        .map_err(|problem| format!("is multiplexed by `{}`, which {problem}", switch.name))?;
+    let field = field_of(statement, NumberKind::Unsigned).map_err(|problem| by(&problem))?;
     found.push(Switch { field, ranges });
-    switches(dbc, message, &switch.name, found, deepest - 1)
+    switches(parts, switch, statement, found, deepest - 1)
 }

@@ -5,6 +5,7 @@ use super::dbc_message::{DbcSignal, Switch};
 use super::mapping_file::{MappingEntry, MappingFile};
 use super::{message_reference, units};
 use crate::error::Result;
+use crate::files::left_out::LeftOut;
 use crate::files::nearest::nearest_in_words;
 use crate::source::can_frame::CanFrame;
 use embedded_can::Frame;
@@ -17,6 +18,7 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq)]
 pub struct OwnSignals {
     messages: Vec<Message>,
+    left_out: LeftOut,
 }
 
 /// The mapped signals of one message.
@@ -59,7 +61,16 @@ impl OwnSignals {
                 }),
             }
         }
-        Ok(Self { messages })
+        Ok(Self {
+            messages,
+            left_out: dbc.left_out().clone(),
+        })
+    }
+
+    /// Returns what was left out of the `.dbc` file, each with its line.
+    #[must_use]
+    pub const fn left_out(&self) -> &LeftOut {
+        &self.left_out
     }
 
     /// Returns the mapped signals of ours.
@@ -119,7 +130,7 @@ fn mapped(dbc: &Dbc, file: &MappingFile, entry: &MappingEntry) -> Result<(FrameM
         file.error(reference.line, key("message", &reference.value), expected)
     })?;
     let source = &entry.source;
-    let Some(found) = message.signals.iter().find(|s| s.name == source.value) else {
+    let Some(found) = message.signals.iter().find(|s| s.is_named(&source.value)) else {
         let alike = nearest_in_words(&source.value, message.signals.iter().map(|s| &*s.name));
         let expected = format!("a signal of message {}, such as {alike}", message.name);
         return Err(file.error(source.line, key("signal", &source.value), expected));

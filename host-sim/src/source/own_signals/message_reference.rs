@@ -16,7 +16,7 @@ pub(super) fn find<'d>(
     dbc: &'d Dbc,
     reference: &str,
 ) -> Result<(&'d DbcMessage, FrameMatch), String> {
-    if let Some(message) = dbc.messages().iter().find(|m| m.name == reference) {
+    if let Some(message) = dbc.messages().iter().find(|m| m.is_named(reference)) {
         return Ok((message, message.frames));
     }
     let number = code_of(reference).and_then(|number| u32::try_from(number).ok());

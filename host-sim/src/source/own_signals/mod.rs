@@ -1,7 +1,9 @@
 //! Signals of a user's own bus: any `.dbc` file, mapped to our signals by a `SIGNALS.toml`.
 
 pub mod dbc;
+mod dbc_attributes;
 pub mod dbc_message;
+mod dbc_statement;
 mod dbc_text;
 mod lines;
 mod mapping;

@@ -16,9 +16,9 @@ pub(super) use header::TIME;
 pub use writer::write;
 
 use super::damage::{Damage, DamageCheck};
-use super::frame_log::Seconds;
 use super::log_file::LogFile;
 use super::packing::Joint;
+use super::table_clock::{EXPECTED, NoTime, TableClock};
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
 use crate::files::limits::{self, Budget};
@@ -27,9 +27,6 @@ use estimator_core::{Instant, Reading, Signal, Value};
 use header::{HeaderColumns, SignalColumn, columns_of};
 use std::io::{Chain, Read};
 use std::path::Path;
-
-/// Beyond this many seconds `f64` does not resolve microseconds well.
-pub(super) const LATEST_S: f64 = 4e9;
 
 /// A log with a line feed appended, because its last line may lack one.
 type TerminatedLog = Budget<Chain<LogFile, &'static [u8]>>;
@@ -45,7 +42,7 @@ pub struct SignalTableReader {
     /// Columns that are not ours.
     ignored: Vec<String>,
     readings: Vec<Reading>,
-    newest: Instant,
+    clock: TableClock,
     rows: u64,
     damage: DamageCheck,
     /// True if the record is that of a row that was not handed out yet.
@@ -120,7 +117,7 @@ impl SignalTableReader {
             columns,
             ignored,
             readings: Vec::new(),
-            newest: Instant::ZERO,
+            clock: TableClock::default(),
             rows: 0,
             damage: DamageCheck::new(is_strict),
             is_read_ahead: false,
@@ -155,7 +152,7 @@ impl SignalTableReader {
             match self.parse() {
                 Ok(time) => {
                     self.rows += 1;
-                    self.newest = time;
+                    self.clock.take(time);
                     return Ok(Some(SignalRow {
                         time,
                         readings: &self.readings,
@@ -181,16 +178,6 @@ impl SignalTableReader {
             ));
         }
         let time = self.time()?;
-        if time < self.newest {
-            return Err(self.error(
-                format!(
-                    "time_s runs backwards, from {} to {}",
-                    Seconds(self.newest),
-                    Seconds(time)
-                ),
-                "times that do not decrease",
-            ));
-        }
         self.readings.clear();
         for k in 0..self.columns.len() {
             let SignalColumn { index, signal } = self.columns[k];
@@ -231,6 +218,12 @@ impl SignalTableReader {
         Err(self.damage.take_first().unwrap_or(empty))
     }
 
+    /// Returns what was mended of the times, in words.
+    #[must_use]
+    pub fn mended(&self) -> Vec<String> {
+        self.clock.mended()
+    }
+
     /// Returns what was left out so far.
     #[must_use]
     pub const fn damage(&self) -> &Damage {
@@ -243,12 +236,12 @@ impl SignalTableReader {
         file_of(&self.csv)
     }
 
-    fn time(&self) -> Result<Instant> {
-        let seconds = self
-            .number(self.time_column)
-            .filter(|seconds| (0.0..LATEST_S).contains(seconds))
-            .ok_or_else(|| self.wrong_value(self.time_column, TIME, "seconds from 0 to 4e9"))?;
-        Ok(Instant::from_micros((seconds * 1e6).round() as u64))
+    fn time(&mut self) -> Result<Instant> {
+        let time = self.clock.time(self.number(self.time_column));
+        time.map_err(|problem| match problem {
+            NoTime::Wrong => self.wrong_value(self.time_column, TIME, EXPECTED),
+            NoTime::Backwards(problem) => self.error(problem, "times that do not decrease"),
+        })
     }
 
     /// Returns the value of a cell; `None` if it is empty.

@@ -1,6 +1,7 @@
 //! candump logs: both layouts, gzip, all errors that a log can have, and writing.
 
 mod damage;
+mod foreign;
 mod times;
 
 use crate::packed::gzip;

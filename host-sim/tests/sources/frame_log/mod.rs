@@ -1,10 +1,13 @@
 //! Logs in the formats of Vector and PEAK: the same frames as candump's, and all that is not a frame.
 
 mod damage;
+mod foreign;
 mod formats;
 mod interfaces;
 mod left_out;
+mod mdf_layouts;
 mod packed_damage;
+mod times;
 mod writers;
 
 use crate::packed::gzip;
@@ -146,6 +149,7 @@ fn what_is_not_a_frame_passes_by_in_asc() {
     let expected = Skipped {
         can_fd: 1,
         bus_errors: 2,
+        ..Skipped::default()
     };
     assert_eq!(skipped, expected);
 }
@@ -179,6 +183,7 @@ fn what_is_not_a_frame_passes_by_in_trc() {
         let expected = Skipped {
             can_fd,
             bus_errors: 1,
+            ..Skipped::default()
         };
         assert_eq!(skipped, expected);
     }
@@ -217,6 +222,7 @@ fn what_is_not_a_frame_passes_by_in_blf() {
     let expected = Skipped {
         can_fd: 2,
         bus_errors: 1,
+        ..Skipped::default()
     };
     assert_eq!(skipped, expected);
 }

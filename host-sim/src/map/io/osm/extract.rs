@@ -1,12 +1,15 @@
-//! The roads of an OpenStreetMap extract (.osm.pbf).
+//! The roads of an OpenStreetMap extract (.osm.pbf), or of its XML (.osm).
 
+use super::osm_xml;
 use super::pbf::for_each_block;
 use super::tags::{directions, is_road, structure};
 use crate::error::{Error, Result};
+use crate::files::kind::{self, Kind};
+use crate::files::left_out::LeftOut;
 use crate::files::row_check;
 use crate::map::geometry::structure::Structure;
 use crate::map::geometry::way_name::WayDirection;
-use osmpbf::{Element, Way};
+use osmpbf::Element;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -38,107 +41,163 @@ impl OsmRoad {
 }
 
 /// The roads of an extract, and the nodes on them.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct OsmExtract {
     /// Roads in the order of the file.
     pub roads: Vec<OsmRoad>,
     /// Latitude and longitude of the nodes, deg, by identifier.
     pub positions: BTreeMap<i64, (f64, f64)>,
+    /// Ways and nodes that are left out.
+    pub left_out: LeftOut,
 }
 
 impl OsmExtract {
-    /// Returns latitude and longitude of the nodes of a road, deg.
+    /// Returns latitude and longitude of the nodes of a road, deg, in parts between nodes that the file
+    /// lacks, and the first of these.
+    #[must_use]
+    pub fn parts(&self, road: &OsmRoad) -> (Vec<Vec<(f64, f64)>>, Option<i64>) {
+        let is_missing = |node: &i64| !self.positions.contains_key(node);
+        let missing = road.nodes.iter().copied().find(is_missing);
+        let places = |nodes: &[i64]| -> Vec<(f64, f64)> {
+            let place = |node| self.positions.get(node).copied();
+            nodes.iter().filter_map(place).collect()
+        };
+        let parts = road.nodes.split(is_missing).map(places);
+        let has_line = |part: &Vec<(f64, f64)>| missing.is_none() || part.len() > 1;
+        (parts.filter(has_line).collect(), missing)
+    }
+}
+
+/// Ways and nodes of a file while it is read.
+#[derive(Default)]
+pub(super) struct Roads {
+    roads: Vec<OsmRoad>,
+    /// The nodes of roads.
+    places: BTreeMap<i64, Option<(f64, f64)>>,
+    count: usize,
+    left_out: LeftOut,
+}
+
+impl Roads {
+    /// Takes a way, if it is a road.
     ///
     /// # Errors
-    /// Returns an error for a node that the file lacks.
-    pub fn points(&self, road: &OsmRoad) -> std::result::Result<Vec<(f64, f64)>, String> {
-        let missing = |node| {
-            format!(
-                "way {}: no node {node}; expected an extract with complete ways \
-                 (osmium extract --strategy complete_ways)",
-                road.id
-            )
+    /// Returns an error for too many nodes.
+    pub(super) fn way<'t>(
+        &mut self,
+        id: i64,
+        mut nodes: Vec<i64>,
+        tag: impl Fn(&str) -> Option<&'t str>,
+    ) -> std::result::Result<(), String> {
+        if !is_road(&tag) {
+            return Ok(());
+        }
+        // A repeated node is no step.
+        nodes.dedup();
+        let name = format!("way/{id}");
+        if nodes.len() < 2 {
+            let problem = "fewer than two nodes; expected a line";
+            self.left_out.add(format!("{name}: {problem}"));
+            return Ok(());
+        }
+        let directions = match directions(|key| tag(key).map(Cow::from)) {
+            Ok(directions) => directions,
+            Err(problem) => {
+                self.left_out.add(format!("{name}: {problem}"));
+                return Ok(());
+            }
         };
-        let position = |node| self.positions.get(node).copied();
-        road.nodes
-            .iter()
-            .map(|node| position(node).ok_or_else(|| missing(node)))
-            .collect()
+        self.count += nodes.len();
+        if self.count > MOST_NODES {
+            return Err(format!(
+                "more than {MOST_NODES} nodes on roads; expected a smaller extract"
+            ));
+        }
+        for node in &nodes {
+            self.places.entry(*node).or_default();
+        }
+        self.roads.push(OsmRoad {
+            id,
+            nodes,
+            directions,
+            structure: structure(|key| tag(key).map(Cow::from)),
+        });
+        Ok(())
+    }
+
+    /// Takes a node, if it is on a road that came before.
+    pub(super) fn node(&mut self, id: i64, place: (f64, f64)) {
+        let Some(slot) = self.places.get_mut(&id) else {
+            return;
+        };
+        match node_position(id, place) {
+            Ok(place) => *slot = Some(place),
+            Err(problem) => self.left_out.add(problem),
+        }
+    }
+
+    fn done(self) -> OsmExtract {
+        let known = |(id, place): (i64, Option<_>)| Some((id, place?));
+        OsmExtract {
+            roads: self.roads,
+            positions: self.places.into_iter().filter_map(known).collect(),
+            left_out: self.left_out,
+        }
     }
 }
 
 /// Reads the roads of an extract. Ways come after their nodes, so the file is read twice: memory
 /// depends on the roads alone. Of an extract whose ways have the places of their nodes
-/// (`osmium add-locations-to-ways`), these count; it may lack the nodes.
+/// (`osmium add-locations-to-ways`), these count; it may lack the nodes. A way or a node that is
+/// wrong is left out.
 ///
 /// # Errors
-/// Returns an error that names the file and the block, way or node, and what was expected.
+/// Returns an error that names the file and the block, and what was expected.
 pub fn read(path: &Path) -> Result<OsmExtract> {
-    let mut roads = Vec::new();
-    let mut positions: BTreeMap<i64, Option<(f64, f64)>> = BTreeMap::new();
-    let mut count = 0;
+    let mut roads = Roads::default();
+    let is_xml = kind::of(path) == Some(Kind::OsmXml);
+    if is_xml {
+        osm_xml::read_ways(path, &mut roads)?;
+    } else {
+        read_ways(path, &mut roads)?;
+    }
+    if roads.roads.is_empty() {
+        let problem = "no roads; expected ways with a highway for vehicles";
+        let first = roads.left_out.first().first();
+        return Err(Error::content(path, first.map_or(problem, String::as_str)));
+    }
+    if is_xml {
+        osm_xml::read_nodes(path, &mut roads)?;
+    } else {
+        read_nodes(path, &mut roads)?;
+    }
+    Ok(roads.done())
+}
+
+fn read_ways(path: &Path, roads: &mut Roads) -> Result<()> {
     for_each_block(path, |block| {
         for way in block.groups().flat_map(|group| group.ways()) {
-            let Some(road) = road(&way)? else { continue };
-            count += road.nodes.len();
-            if count > MOST_NODES {
-                return Err(format!(
-                    "more than {MOST_NODES} nodes on roads; expected a smaller extract"
-                ));
-            }
-            for node in &road.nodes {
-                positions.entry(*node).or_default();
-            }
+            let tag = |key: &str| way.tags().find(|(k, _)| *k == key).map(|(_, value)| value);
+            roads.way(way.id(), way.refs().collect(), tag)?;
             for (node, place) in way.refs().zip(way.node_locations()) {
-                positions.insert(node, Some(node_position(node, (place.lat(), place.lon()))?));
-            }
-            roads.push(road);
-        }
-        Ok(())
-    })?;
-    if roads.is_empty() {
-        let problem = "no roads; expected ways with a highway for vehicles";
-        return Err(Error::content(path, problem));
-    }
-    for_each_block(path, |block| {
-        for element in block.elements() {
-            let (id, place) = match element {
-                Element::Node(node) => (node.id(), (node.lat(), node.lon())),
-                Element::DenseNode(node) => (node.id(), (node.lat(), node.lon())),
-                _ => continue,
-            };
-            if let Some(slot) = positions.get_mut(&id) {
-                *slot = Some(node_position(id, place)?);
+                roads.node(node, (place.lat(), place.lon()));
             }
         }
         Ok(())
-    })?;
-    let known = |(id, place): (i64, Option<_>)| Some((id, place?));
-    Ok(OsmExtract {
-        roads,
-        positions: positions.into_iter().filter_map(known).collect(),
     })
 }
 
-/// Returns the road that a way is, if it is one.
-fn road(way: &Way<'_>) -> std::result::Result<Option<OsmRoad>, String> {
-    let tag = |key: &str| way.tags().find(|(k, _)| *k == key).map(|(_, value)| value);
-    if !is_road(tag) {
-        return Ok(None);
-    }
-    let wrong = |problem| format!("way {}: {problem}", way.id());
-    let mut nodes: Vec<i64> = way.refs().collect();
-    // A repeated node is no step.
-    nodes.dedup();
-    if nodes.len() < 2 {
-        return Err(wrong("fewer than two nodes; expected a line".to_owned()));
-    }
-    Ok(Some(OsmRoad {
-        id: way.id(),
-        nodes,
-        directions: directions(|key| tag(key).map(Cow::from)).map_err(wrong)?,
-        structure: structure(|key| tag(key).map(Cow::from)),
-    }))
+fn read_nodes(path: &Path, roads: &mut Roads) -> Result<()> {
+    for_each_block(path, |block| {
+        for element in block.elements() {
+            match element {
+                Element::Node(node) => roads.node(node.id(), (node.lat(), node.lon())),
+                Element::DenseNode(node) => roads.node(node.id(), (node.lat(), node.lon())),
+                _ => {}
+            }
+        }
+        Ok(())
+    })
 }
 
 /// Returns the position of a node without the rounding of its sum.

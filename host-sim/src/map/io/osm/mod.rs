@@ -2,6 +2,7 @@
 
 pub mod extract;
 pub mod node_altitudes;
+mod osm_xml;
 mod pbf;
 pub mod tags;
 pub(super) mod xml;

@@ -21,7 +21,7 @@ const ROADS: [&str; 11] = [
 ];
 
 /// Returns true for a road that vehicles with a log may drive on.
-pub(super) fn is_road<'t>(tag: impl Fn(&str) -> Option<&'t str>) -> bool {
+pub(super) fn is_road<'t>(tag: &impl Fn(&str) -> Option<&'t str>) -> bool {
     let highway = tag("highway").unwrap_or_default();
     let class = highway.strip_suffix("_link").unwrap_or(highway);
     ROADS.contains(&class) && tag("area") != Some("yes")

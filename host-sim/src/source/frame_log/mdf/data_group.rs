@@ -1,6 +1,6 @@
 //! A data group: its channel groups, and the frames of its records.
 
-use super::layout::{DataField, Event, FrameLayout};
+use super::layout::{DataField, Event, FrameLayout, Part};
 use super::mdf_file::{Block, MdfFile, u16_at, u32_at, u64_at};
 use super::records::{Records, Size, Step};
 use super::signal_data::SignalData;
@@ -39,6 +39,7 @@ struct Head {
     raw_id: u32,
     is_extended: bool,
     is_remote: bool,
+    is_fd: bool,
     length: usize,
 }
 
@@ -91,7 +92,7 @@ impl DataGroup {
             } else {
                 let length = bytes.saturating_add(invalid) as usize;
                 sizes.insert(id, Size::Fixed(length));
-                if let Some(layout) = FrameLayout::read(file, group.link(1))? {
+                if let Some(layout) = FrameLayout::read(file, group.link(1), bytes as usize)? {
                     layouts.push((id, layout));
                 }
             }
@@ -183,13 +184,20 @@ impl FrameGroup {
             notes.skipped.bus_errors += 1;
             return Ok(None);
         }
+        if self.layout.is_invalid(record) {
+            notes.skipped.invalid += 1;
+            if let Payload::OtherGroup(_) = self.payload {
+                self.heads.push_back(Head::NONE);
+                return Ok(self.pair());
+            }
+            return Ok(None);
+        }
         let Some(head) = self.head(record) else {
             let error = file.error("a record without its fields", "time, identifier and length");
             notes.damage.line(error, notes.frames)?;
             return Ok(None);
         };
-        let read = |field: Option<super::layout::Field>| field.and_then(|field| field.raw(record));
-        let is_fd = read(self.layout.is_fd) == Some(1) || head.length > MOST_BYTES;
+        let is_fd = head.is_fd || head.length > MOST_BYTES;
         if is_fd {
             notes.skipped.can_fd += 1;
         }
@@ -227,21 +235,29 @@ impl FrameGroup {
     /// Reads what a record has besides data.
     fn head(&self, record: &[u8]) -> Option<Head> {
         let layout = &self.layout;
-        let read = |field: Option<super::layout::Field>| field.and_then(|field| field.raw(record));
-        let raw = read(layout.id)?;
-        let is_extended = match read(layout.ide) {
+        // A part that the file has, but that cannot be read, leaves out the record.
+        let read = |part: &Option<Part>| match part {
+            Some(part) => part.number(record).map(Some),
+            None => Some(None),
+        };
+        let raw = read(&layout.id)??;
+        let is_extended = match read(&layout.ide)? {
             Some(flag) => flag != 0,
             None => raw & EXTENDED != 0 || raw > LARGEST_STANDARD,
         };
         // The length code of more than 8 bytes is 8 in a classic frame.
         let of_code = |code: u64| code.min(MOST_BYTES as u64);
-        let length = read(layout.length).or_else(|| read(layout.dlc).map(of_code))?;
+        let length = match read(&layout.length)? {
+            Some(length) => length,
+            None => of_code(read(&layout.dlc)??),
+        };
         Some(Head {
             micros: layout.clock.as_ref()?.micros(record)?,
-            channel: read(layout.bus).unwrap_or(1) as u32,
+            channel: read(&layout.bus)?.unwrap_or(1) as u32,
             raw_id: (raw & ID_MASK) as u32,
             is_extended,
             is_remote: layout.event == Event::Remote,
+            is_fd: read(&layout.is_fd)? == Some(1),
             length: length as usize,
         })
     }
@@ -250,8 +266,9 @@ impl FrameGroup {
     fn pair(&mut self) -> Option<Found> {
         while !self.heads.is_empty() && !self.values.is_empty() {
             let (head, (bytes, length)) = self.heads.pop_front().zip(self.values.pop_front())?;
-            // CAN FD frames are counted already.
-            if head.length <= MOST_BYTES
+            // CAN FD frames and invalid records are counted already.
+            if !head.is_fd
+                && head.length <= MOST_BYTES
                 && length <= MOST_BYTES
                 && let Some(found) = head.with(bytes.get(..length))
             {
@@ -267,6 +284,17 @@ impl FrameGroup {
 }
 
 impl Head {
+    /// The head of a record that is no frame, for the data that belong to it.
+    const NONE: Self = Self {
+        micros: 0,
+        channel: 0,
+        raw_id: 0,
+        is_extended: false,
+        is_remote: false,
+        is_fd: true,
+        length: usize::MAX,
+    };
+
     /// Returns the frame with these data; `None` if there are too few.
     fn with(&self, data: Option<&[u8]>) -> Option<Found> {
         let id = identifier(self.raw_id, self.is_extended)?;

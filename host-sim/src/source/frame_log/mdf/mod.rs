@@ -5,10 +5,11 @@
 //! A group whose channels are `CAN_DataFrame.ID` and so on has frames (ASAM bus logging). The data
 //! of a group are one block, or a list of them, plain or compressed.
 //!
-//! * Groups are read beside each other, and their frames put in the order of time.
+//! * Groups are read beside each other. Their frames are put in the order of time later.
 //! * A file that its writer did not finish is read to its end.
 //! * Memory does not grow with the file: a few blocks of each group.
 
+mod conversion;
 mod data_group;
 mod layout;
 mod mdf_file;
@@ -37,8 +38,7 @@ struct Merged {
 pub(super) struct MdfReader {
     file: MdfFile,
     groups: Vec<Merged>,
-    /// Added to all times, so that the first one is not negative, µs; `None` before it.
-    shift_us: Option<i64>,
+    is_started: bool,
     notes: LogNotes,
 }
 
@@ -74,7 +74,7 @@ impl MdfReader {
         Ok(Box::new(Self {
             file,
             groups,
-            shift_us: None,
+            is_started: false,
             notes,
         }))
     }
@@ -86,19 +86,14 @@ impl MdfReader {
         for merged in &mut self.groups {
             merged.next = merged.group.next_frame(&mut self.file, &mut self.notes)?;
         }
-        let firsts = self.groups.iter().filter_map(|merged| merged.next);
-        let first = firsts.map(|found| found.micros).min().unwrap_or(0);
-        let shift = first.min(0).unsigned_abs();
-        self.shift_us = Some(shift as i64);
-        let origin = &mut self.notes.origin_us;
-        *origin = origin.and_then(|origin| origin.checked_sub(shift));
+        self.is_started = true;
         Ok(())
     }
 }
 
 impl FrameReader for MdfReader {
     fn next_logged(&mut self) -> Result<Option<LoggedFrame>> {
-        if self.shift_us.is_none() {
+        if !self.is_started {
             self.start()?;
         }
         let with_frame = self
@@ -113,11 +108,8 @@ impl FrameReader for MdfReader {
             return Ok(None);
         };
         merged.next = merged.group.next_frame(&mut self.file, &mut self.notes)?;
-        let micros = found.micros.saturating_add(self.shift_us.unwrap_or(0));
-        // A time before the first one is that of a damaged record.
-        let micros = u64::try_from(micros).unwrap_or(0);
         let interface = self.notes.interfaces.channel(found.channel);
-        Ok(Some(self.notes.frame(micros, interface, found.frame)))
+        Ok(Some(self.notes.frame(found.micros, interface, found.frame)))
     }
 
     fn error(&self, problem: &str, expected: &str) -> Error {

@@ -90,7 +90,14 @@ impl Pieces {
             }
             match &block.id {
                 b"##DT" | b"##SD" | b"##DV" => self.plain(file, &block),
-                b"##DZ" => return unpack(file, &block, bytes),
+                b"##DZ" => {
+                    let piece = unpack(file, &block, bytes)?;
+                    if matches!(piece, Piece::CutOff(_)) && !bytes.is_empty() {
+                        self.is_cut_off = true;
+                        return Ok(Piece::Bytes);
+                    }
+                    return Ok(piece);
+                }
                 b"##HL" => self.next_list = block.link(0),
                 b"##DL" => {
                     self.next_list = block.link(0);
@@ -154,9 +161,10 @@ impl Pieces {
     }
 }
 
-/// Unpacks a compressed block (DZ).
+/// Unpacks a compressed block (DZ); of one that is cut off, what there is.
 fn unpack(file: &mut MdfFile, block: &Block, bytes: &mut Vec<u8>) -> Result<Piece> {
     let mut packed = Vec::new();
+    bytes.clear();
     let data_length = block.data_length();
     let count = data_length.min(MOST_BYTES + PACKED_HEADER_BYTES);
     file.read(block.data_at(), count, &mut packed)?;
@@ -189,7 +197,6 @@ fn unpack(file: &mut MdfFile, block: &Block, bytes: &mut Vec<u8>) -> Result<Piec
     let content = packed
         .get(PACKED_HEADER_BYTES as usize..)
         .unwrap_or_default();
-    bytes.clear();
     let unpacked = match kind {
         0 | 1 => ZlibDecoder::new(content).take(length).read_to_end(bytes),
         2 | 3 => zstd(content).and_then(|zstd| zstd.take(length).read_to_end(bytes)),
@@ -203,6 +210,9 @@ fn unpack(file: &mut MdfFile, block: &Block, bytes: &mut Vec<u8>) -> Result<Piec
     let is_complete = unpacked.is_ok() && bytes.len() as u64 == length;
     if !is_complete {
         // What is transposed cannot be read without its end.
+        if is_transposed {
+            bytes.clear();
+        }
         let problem = file.error("damaged compressed data", "as many bytes as the block says");
         return if is_whole {
             lost(length, problem)

@@ -1,0 +1,37 @@
+//! What to say of a log that has nothing to read.
+
+use super::frame_reader::Skipped;
+use crate::files::log_format::KNOWN;
+use crate::source::interfaces::InterfaceCount;
+use crate::source::log_kind::LogKind;
+
+/// Returns what to say of a file whose first bytes are of no format; `None` if there are none.
+pub(super) fn unknown_format(head: &[u8]) -> Option<String> {
+    const QUOTE_BYTES: usize = 40;
+    let line = head.trim_ascii().split(|byte| *byte == b'\n').next()?;
+    let quote = line.get(..QUOTE_BYTES).unwrap_or(line).escape_ascii();
+    (!line.is_empty()).then(|| format!("unknown format, begins with `{quote}`; known are {KNOWN}"))
+}
+
+/// Returns what to say of a log without a frame.
+pub(super) fn no_frames(kind: LogKind, skipped: Skipped, is_empty: bool) -> String {
+    if let Some(skipped) = skipped.words() {
+        return format!("no classic CAN frame among {skipped}; expected a {kind} of a J1939 bus");
+    }
+    let what = if is_empty {
+        "the file is empty"
+    } else {
+        "no frames"
+    };
+    format!("{what}; expected a {kind} with at least one frame")
+}
+
+/// Returns what to say of a log without a frame of the interfaces that are asked for.
+pub(super) fn no_interface<'a>(
+    wanted: &[String],
+    found: impl Iterator<Item = &'a InterfaceCount>,
+) -> String {
+    let names: Vec<&str> = found.map(|count| &*count.name).collect();
+    let (wanted, names) = (wanted.join(", "), names.join(", "));
+    format!("no frames of interface {wanted}; expected one of {names}")
+}
