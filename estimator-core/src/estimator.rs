@@ -9,6 +9,7 @@ pub use cell_estimator::CellEstimator;
 use crate::cell::{Cell, Live};
 use crate::context::Context;
 use crate::counters::Counters;
+use crate::delay::Delays;
 use crate::filter::SlowStates;
 use crate::intake::{Intake, Outcome};
 use crate::model::Model;
@@ -178,16 +179,20 @@ impl<S: Scalar> Estimator<S> {
         self.sampler.gnss_latency(self.tuning())
     }
 
+    /// Returns how late receiver and force are beside the wheel speed, as this drive or one before shows.
+    #[must_use]
+    pub const fn delays(&self) -> Delays {
+        self.sampler.delays()
+    }
+
     /// Returns what this drive leaves for the next one. It is `None` before 5 km with GNSS, and if
     /// the state is outside its possible range. It may be taken at any time: its variances say how
     /// much was learned.
     #[must_use]
     pub fn persistent_state(&self) -> Option<PersistentState> {
         let counters = self.counters();
-        let detection = &self.tuning().detection;
-        if counters.steps < detection.persist_cells
-            || counters.altitudes_used < detection.persist_altitudes
-        {
+        let is_short = counters.steps < self.tuning().detection.persist_cells;
+        if is_short || counters.altitudes_used == 0 {
             return None;
         }
         let slow = self.chain.slow_states(self.sample()?.forces.mass_kg)?;
@@ -197,6 +202,7 @@ impl<S: Scalar> Estimator<S> {
             slow,
             *window.levels(),
             window.hides_brakes(),
+            self.delays(),
         )
     }
 

@@ -26,6 +26,7 @@
 //!   both together.
 //! * [`context`] is what these parts share: the model, the [`tuning`] and the [`counters`].
 //! * [`packed_vehicle`] is a model as bytes, in [records of words](word_record).
+//! * [`delay`] is how late receiver and force are found to be.
 //! * [`persistent_state`] is what one drive leaves for the next; [`broadcast`] is the estimate as CAN
 //!   frames for other nodes.
 //!
@@ -57,6 +58,7 @@ pub mod broadcast;
 pub mod cell;
 pub mod context;
 pub mod counters;
+pub mod delay;
 mod division;
 pub mod effect;
 pub mod estimator;
@@ -64,7 +66,6 @@ pub mod filter;
 pub mod inference;
 pub mod intake;
 pub mod maybe;
-mod mean_and_variance;
 pub mod model;
 pub mod packed_vehicle;
 pub mod persistent_state;
@@ -72,7 +73,6 @@ pub mod roadmap;
 pub mod sample;
 pub mod sampler;
 pub mod scalar;
-mod shift_in;
 pub mod signal;
 pub mod time;
 pub mod tuning;
@@ -82,6 +82,7 @@ pub mod word_record;
 pub use cell::{CELL_LENGTH_M, Cell, CellEnd, Condition, Disagreement, Estimate, Live, Uncertain};
 pub use context::Context;
 pub use counters::Counters;
+pub use delay::{Delay, Delays};
 pub use effect::Effect;
 pub use estimator::{Estimator, Step};
 pub use intake::{Intake, Outcome};

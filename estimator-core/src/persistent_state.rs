@@ -1,7 +1,7 @@
 //! The persistent state: what one drive leaves for the next, and its form in non-volatile memory.
 //!
-//! It holds the slow states of the vehicle, the levels of the noises, and whether signals report all brakes.
-//! Everything else is found again within seconds. Wind is not kept: it is another one the next day.
+//! It holds the slow states of the vehicle, the levels of the noises, whether signals report all brakes,
+//! and how late signals are. Everything else is found again within seconds. Wind is not kept: it is another one the next day.
 //! [`crate::filter::SlowStates`] decides how much of the persistent state the next drive starts with.
 //!
 //! The stored form has [`PersistentState::LEN`] bytes. Numbers are little endian, `f32` as in
@@ -10,7 +10,7 @@
 //! | offset | type | content |
 //! |---|---|---|
 //! | 0 | 4 bytes | `72 67 6b 1a`: "rgk" and a control byte |
-//! | 4 | u32 | version of this table, 3 |
+//! | 4 | u32 | version of this table, 4 |
 //! | 8 | u32 | fingerprint of the vehicle parameters: CRC-32 over them |
 //! | 12 | f32 | mass of the model, kg |
 //! | 16 | 2 f32 | bias, %, and its variance |
@@ -20,7 +20,9 @@
 //! | 44 | 2 f32 | error of the retarder's factor, and its variance |
 //! | 52 | 6 f32 | learned over assumed variance of force, road, slow and fast GNSS error, altitude, speed |
 //! | 76 | u32 | 1 if brakes act that no signal reports, else 0 |
-//! | 80 | u32 | CRC-32 (ISO-HDLC, as in zip and Ethernet) over the bytes before |
+//! | 80 | 2 f32 | delay of the receiver and its sigma, s; both 0 if none is estimated |
+//! | 88 | 2 f32 | delay of the traction force and its sigma, s; both 0 if none is estimated |
+//! | 96 | u32 | CRC-32 (ISO-HDLC, as in zip and Ethernet) over the bytes before |
 //!
 //! On an ECU, write the bytes when the ignition goes off, into the older of two slots: an interrupted
 //! write leaves the other slot intact. When the ignition comes on, read both slots and start with one
@@ -53,6 +55,7 @@
 //! ```
 
 use crate::cell::Uncertain;
+use crate::delay::{Delay, Delays};
 use crate::filter::{ModelMass, SlowState, SlowStates};
 use crate::inference::Levels;
 use crate::model::Model;
@@ -64,7 +67,7 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 /// First bytes of the stored form.
 const MAGIC: u32 = u32::from_le_bytes(*b"rgk\x1a");
 /// Version of the layout and of the meaning of its numbers.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Without a table: the data are short and flash is scarce.
 const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
@@ -88,6 +91,9 @@ mod possible {
     pub const FACTOR: RangeInclusive<f32> = -9.0..=9.0;
     /// Learned over assumed variance, 1.
     pub const LEVEL: RangeInclusive<f32> = 1e-6..=1e8;
+    /// Estimated delay, s, and its sigma.
+    pub const DELAY: RangeInclusive<f32> = -1.0..=10.0;
+    pub const DELAY_SIGMA: RangeInclusive<f32> = 1e-6..=10.0;
     /// Square of the correlation. Rounding may leave it slightly above one.
     pub const CORRELATION: RangeInclusive<f32> = 0.0..=1.001;
 }
@@ -100,6 +106,7 @@ pub struct PersistentState {
     slow: SlowStates,
     levels: Levels,
     hides_brakes: bool,
+    delays: Delays,
 }
 
 /// Why stored data are not used.
@@ -146,7 +153,7 @@ impl From<ParameterError> for PersistentStateError {
 
 impl PersistentState {
     /// Length of the stored form, bytes.
-    pub const LEN: usize = 84;
+    pub const LEN: usize = 100;
 
     /// Creates what a drive leaves; `None` if a value could not be read back.
     pub(crate) fn new(
@@ -154,9 +161,9 @@ impl PersistentState {
         slow: SlowStates,
         levels: Levels,
         hides_brakes: bool,
+        delays: Delays,
     ) -> Option<Self> {
         let levels = Levels {
-            wind: 1.0,
             slope: 1.0,
             ..levels
         };
@@ -165,6 +172,10 @@ impl PersistentState {
             slow,
             levels,
             hides_brakes,
+            delays: Delays {
+                receiver: kept(delays.receiver),
+                traction: kept(delays.traction),
+            },
         };
         state.is_possible().then_some(state)
     }
@@ -185,6 +196,12 @@ impl PersistentState {
     #[must_use]
     pub const fn hides_brakes(&self) -> bool {
         self.hides_brakes
+    }
+
+    /// Returns how late receiver and force were found to be.
+    #[must_use]
+    pub const fn delays(&self) -> &Delays {
+        &self.delays
     }
 
     /// Returns the gross mass that the drive ended with, kg, as its scale says. The model must be
@@ -219,8 +236,11 @@ impl PersistentState {
             slow,
             levels,
             hides_brakes,
+            delays,
         } = self;
         let bits = f32::to_bits;
+        let (receiver_s, receiver_sigma_s) = numbers(delays.receiver);
+        let (traction_s, traction_sigma_s) = numbers(delays.traction);
         let words: [u32; WORDS - 1] = [
             MAGIC,
             VERSION,
@@ -242,6 +262,10 @@ impl PersistentState {
             bits(levels.altitude),
             bits(levels.speed),
             u32::from(*hides_brakes),
+            bits(receiver_s),
+            bits(receiver_sigma_s),
+            bits(traction_s),
+            bits(traction_sigma_s),
         ];
         let mut bytes = [0; Self::LEN];
         for (place, word) in bytes.chunks_exact_mut(4).zip(words) {
@@ -274,9 +298,19 @@ impl PersistentState {
         if Checksum::of(checked) != word(checksum) {
             return Err(PersistentStateError::Checksum);
         }
-        let &[_, _, fingerprint, mass_kg, ref numbers @ .., hides_brakes] =
-            <&[[u8; 4]; WORDS - 1]>::try_from(content)
-                .map_err(|_| PersistentStateError::Length(bytes.len()))?;
+        let &[
+            _,
+            _,
+            fingerprint,
+            mass_kg,
+            ref numbers @ ..,
+            hides_brakes,
+            receiver_s,
+            receiver_sigma_s,
+            traction_s,
+            traction_sigma_s,
+        ] = <&[[u8; 4]; WORDS - 1]>::try_from(content)
+            .map_err(|_| PersistentStateError::Length(bytes.len()))?;
         let [
             bias,
             bias_variance,
@@ -307,7 +341,6 @@ impl PersistentState {
             levels: Levels {
                 force,
                 road,
-                wind: 1.0,
                 slope: 1.0,
                 slow_gnss,
                 fast_gnss,
@@ -315,6 +348,10 @@ impl PersistentState {
                 speed,
             },
             hides_brakes: word(&hides_brakes) != 0,
+            delays: Delays {
+                receiver: delay(receiver_s, receiver_sigma_s),
+                traction: delay(traction_s, traction_sigma_s),
+            },
         };
         if state.is_possible() {
             Ok(state)
@@ -339,6 +376,7 @@ impl PersistentState {
             levels.altitude,
             levels.speed,
         ];
+        let delays = [self.delays.receiver, self.delays.traction];
         possible::MASS.contains(&slow.mass_kg)
             && possible::BIAS.contains(&slow.bias.mean)
             && possible::SCALE.contains(&slow.scale.mean)
@@ -350,7 +388,42 @@ impl PersistentState {
                 .iter()
                 .all(|state| possible::FACTOR.contains(&state.mean))
             && levels.iter().all(|level| possible::LEVEL.contains(level))
+            && delays.iter().all(|delay| is_possible(*delay))
     }
+}
+
+/// Returns what is kept of a delay: the next drive looks anew for one that does not fit.
+const fn kept(delay: Delay) -> Delay {
+    match delay {
+        Delay::Invalid => Delay::Unestimated,
+        kept => kept,
+    }
+}
+
+/// Returns a delay as it is stored: itself and its sigma, s.
+const fn numbers(delay: Delay) -> (f32, f32) {
+    match delay {
+        Delay::Estimated { delay_s, sigma_s } => (delay_s, sigma_s),
+        Delay::Unestimated | Delay::Invalid => (0.0, 0.0),
+    }
+}
+
+/// Returns the delay that is stored so.
+fn delay(delay_s: [u8; 4], sigma_s: [u8; 4]) -> Delay {
+    if delay_s == [0; 4] && sigma_s == [0; 4] {
+        return Delay::Unestimated;
+    }
+    Delay::Estimated {
+        delay_s: f32::from_le_bytes(delay_s),
+        sigma_s: f32::from_le_bytes(sigma_s),
+    }
+}
+
+fn is_possible(delay: Delay) -> bool {
+    let Delay::Estimated { delay_s, sigma_s } = delay else {
+        return true;
+    };
+    possible::DELAY.contains(&delay_s) && possible::DELAY_SIGMA.contains(&sigma_s)
 }
 
 /// Returns a fingerprint that differs between vehicles and between edits of one: CRC-32 over all

@@ -37,7 +37,6 @@ impl From<Unusable> for BudgetError {
 pub(crate) fn tuning() -> Tuning {
     let mut tuning = Tuning::default();
     tuning.detection.persist_cells = 100;
-    tuning.detection.persist_altitudes = 10;
     tuning
 }
 

@@ -73,7 +73,7 @@ impl<S: Scalar> CellEstimator<S> {
         else {
             return false;
         };
-        let doubt_behind = self.cells.doubt_behind(numbers, sample);
+        let doubt_behind = self.cells.doubt_behind(&context.tuning, sample);
         let prior = || initial_state(self.known.as_ref(), context, sample, &cell);
         let live = self
             .window

@@ -90,6 +90,7 @@ impl<S: Scalar> Estimator<S> {
     pub fn resume(&mut self, state: &PersistentState) -> Result<(), PersistentStateError> {
         state.check_model(self.model())?;
         self.chain.resume(&self.context, state);
+        self.sampler.resume(state.delays());
         Ok(())
     }
 

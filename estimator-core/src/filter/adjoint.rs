@@ -7,12 +7,11 @@
 use super::cell_input::CellInput;
 use super::covariance::{Covariance, StateVector};
 use super::dynamics::Dynamics;
+use super::measurement::{Row, Update, altitude, speed};
 use super::noise::{NOISES, Noise, Score};
-use super::state::{Moments, Quantity, Record, State, Update};
+use super::state::{Moments, Quantity, Record, State};
 use super::state_index::STATES;
-use super::state_index::StateIndex::{
-    self, Altitude, Bias, FastGnssError, KineticEnergy, Scale, Slope, SlowGnssError, TyreSlip, Wind,
-};
+use super::state_index::StateIndex::{self, Bias, Scale, Slope, Wind};
 use crate::scalar::Scalar;
 
 /// Least part of a variance that later cells leave: a two-hundredth of its sigma. Single precision
@@ -73,23 +72,9 @@ impl<S: Scalar> Adjoint<S> {
         record: &Record<S>,
     ) -> Disturbances<S> {
         // In the reverse order of the updates.
-        let receiver = [Altitude, SlowGnssError, FastGnssError].map(|index| (index, S::ONE));
-        let wheels = [
-            (KineticEnergy, S::ONE),
-            (TyreSlip, S::from_f32(cell.energy_per_slip)),
-        ];
-        let slope = record
-            .slope
-            .as_ref()
-            .map(|update| self.undo(&record.state.slope_row(cell), update));
-        let altitude = record
-            .altitude
-            .as_ref()
-            .map(|update| self.undo(&receiver, update));
-        let speed = record
-            .speed
-            .as_ref()
-            .map(|update| self.undo(&wheels, update));
+        let slope = self.undo(&record.state.slope_row(cell), record.slope.as_ref());
+        let altitude = self.undo(&altitude::row(), record.altitude.as_ref());
+        let speed = self.undo(&speed::row(cell), record.speed.as_ref());
         let of = Noise::ALL.map(|noise| noise.score(&self.vector, &self.information));
         if cell.marks.gap {
             // Behind a gap the slope that is read starts with bias and wind in it.
@@ -126,20 +111,26 @@ impl<S: Scalar> Adjoint<S> {
     /// Goes back over an update with the row h: r ← (I − K h)' r + h' ν/S, and N ← (I − K h)' N (I − K h)
     /// + h' h/S. Returns the score of the measurement's noise.
     #[inline(always)]
-    fn undo(&mut self, row: &[(StateIndex, S)], update: &Update<S>) -> Score<S> {
-        let spread = self.information.times(&update.gain);
+    fn undo<const N: usize>(
+        &mut self,
+        row: &Row<S, N>,
+        update: Option<&Update<S>>,
+    ) -> Option<Score<S>> {
+        let update = update?.used()?;
+        let gain = &update.gain;
+        let spread = self.information.times(gain);
         let per_variance = S::ONE / update.innovation_variance;
-        let sum = update.innovation * per_variance - S::dot(&update.gain, &self.vector);
-        let information = per_variance + S::dot(&update.gain, &spread);
-        for &(i, h) in row {
+        let sum = update.innovation * per_variance - S::dot(gain, &self.vector);
+        let information = per_variance + S::dot(gain, &spread);
+        for &(i, h) in &row.0 {
             self.vector[i as usize] += h * sum;
             self.information.subtract_cross(i, h, &spread);
         }
-        for (at, &(i, h)) in row.iter().enumerate() {
-            for &(j, other) in row.get(at..).unwrap_or_default() {
+        for (at, &(i, h)) in row.0.iter().enumerate() {
+            for &(j, other) in row.0.get(at..).unwrap_or_default() {
                 self.information.add(i, j, h * other * information);
             }
         }
-        Score { sum, information }
+        Some(Score { sum, information })
     }
 }

@@ -1,5 +1,7 @@
 //! What is known of one cell, in the form that the passes read again and again.
 
+use crate::tuning::Numbers;
+
 /// A cell: inputs, measurements and base variances. The inference multiplies the variances.
 #[derive(Clone, Copy, Debug)]
 pub struct CellInput {
@@ -49,14 +51,11 @@ pub struct CellInput {
     pub marks: Marks,
 }
 
-/// Retarder force over weight from which on it is one, %.
-const LEAST_RETARDER_PERCENT: f32 = 0.02;
-
 impl CellInput {
     /// Returns whether the retarder brakes.
     #[must_use]
-    pub const fn retards(&self) -> bool {
-        self.retarder_percent > LEAST_RETARDER_PERCENT
+    pub fn retards(&self, numbers: &Numbers) -> bool {
+        self.retarder_percent > numbers.least_force_percent
     }
 }
 

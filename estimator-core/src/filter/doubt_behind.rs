@@ -4,7 +4,7 @@
 use super::cell_input::CellInput;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
-use crate::tuning::Numbers;
+use crate::tuning::Tuning;
 
 /// Doubt of the force over the cells that end with the newest one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,12 +19,12 @@ impl DoubtBehind {
     /// Returns that of a rest of the torque that ended in the cell of a sample; `None` if none did, or if
     /// the torque rested at a limit, where it was known.
     #[must_use]
-    pub fn of_rest(numbers: &Numbers, sample: &Sample) -> Option<Self> {
+    pub fn of_rest(tuning: &Tuning, sample: &Sample) -> Option<Self> {
         let rest = &sample.torque_rest;
         if rest.ended_s <= 0.0 || rest.ended_at_limit {
             return None;
         }
-        let walk_n = walk_n(numbers, rest.ended_s, rest.per_percent_n);
+        let walk_n = walk_n(tuning, rest.ended_s, rest.per_percent_n);
         let sigma_n = Scalar::sqrt(rest.jump_n.squared() + walk_n.squared());
         Some(Self {
             duration_s: rest.ended_s,
@@ -47,9 +47,9 @@ impl DoubtBehind {
 }
 
 /// Returns by how much a torque may be off that is not renewed, N.
-pub(super) fn walk_n(numbers: &Numbers, rest_s: f32, per_percent_n: f32) -> f32 {
-    if rest_s > numbers.rest_long_s {
-        numbers.rest_walk_percent * Scalar::sqrt(rest_s) * per_percent_n
+pub(super) fn walk_n(tuning: &Tuning, rest_s: f32, per_percent_n: f32) -> f32 {
+    if rest_s > tuning.hold_times.reading_timeout.seconds() {
+        tuning.estimation.rest_walk_percent * Scalar::sqrt(rest_s) * per_percent_n
     } else {
         0.0
     }

@@ -46,7 +46,7 @@ impl EffectUncertainty {
     fn sum(&mut self, context: &Context, sample: &Sample) -> EffectContribution {
         let model = &context.model;
         // Part of the distance to a running mean that is left a cell later.
-        let length_m = context.tuning.estimation.effect_change_length_m;
+        let length_m = context.tuning.detection.turn_length_m;
         let keep = 1.0 / (1.0 + CELL_LENGTH_M / length_m);
         let is_first = self.means.is_none();
         let means = self.means.get_or_insert([0.0; MAX_EFFECTS]);

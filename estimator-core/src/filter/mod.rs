@@ -8,7 +8,8 @@
 //! | [`state_index`], [`covariance`] | the states; a symmetric matrix over them |
 //! | [`dynamics`], [`noise`] | F; the directions in which noise enters |
 //! | [`cell_input`], [`vehicle_cells`] | what is known of a cell; how a sample becomes one |
-//! | [`state`], [`prior`] | the forward step: predict, update; where a drive or a part of it begins |
+//! | [`measurement`] | the update with each measurement, and what it left |
+//! | [`state`], [`prior`] | the forward step: predict, observe; where a drive or a part of it begins |
 //! | `body_sensor`, `late_traction` | accelerometer and pitch beside the force balance; a force that is late |
 //! | `slow_states` | what belongs to the vehicle, and is kept between drives |
 //! | `effect_uncertainty`, `gross_mass` | force and uncertainty of adopted effects; the mass that follows from the scale |
@@ -24,6 +25,7 @@ pub mod dynamics;
 mod effect_uncertainty;
 mod gross_mass;
 mod late_traction;
+pub mod measurement;
 pub mod noise;
 pub mod prior;
 mod response;
@@ -39,8 +41,9 @@ pub use doubt_behind::DoubtBehind;
 pub use dynamics::Dynamics;
 pub use effect_uncertainty::{EffectContribution, EffectUncertainty};
 pub use gross_mass::ModelMass;
+pub use measurement::{Measurand, Measurement, Update};
 pub use noise::{CellNoise, NOISES, Noise, Score};
 pub use slow_states::{SlowState, SlowStates, initial_state};
-pub use state::{Moments, Quantity, Record, State, Update};
+pub use state::{Moments, Quantity, Record, State};
 pub use state_index::{STATES, StateIndex};
 pub use vehicle_cells::VehicleCells;

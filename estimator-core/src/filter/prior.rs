@@ -68,7 +68,7 @@ impl<S: Scalar> State<S> {
         self.mean[Slope as usize] = self.mean[Bias as usize] + self.mean[Wind as usize];
         let p = &mut self.covariance;
         p.add(KineticEnergy, KineticEnergy, square(energy_sigma));
-        p.add(Altitude, Altitude, square(numbers.prior_altitude_m));
+        p.add(Altitude, Altitude, square(numbers.switched_gnss_noise_m));
         p.add(Slope, Slope, square(numbers.prior_slope_percent));
         p.shear(Slope, Bias, S::ONE);
         p.shear(Slope, Wind, S::ONE);

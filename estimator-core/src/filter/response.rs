@@ -3,12 +3,10 @@
 use super::cell_input::CellInput;
 use super::covariance::StateVector;
 use super::dynamics::Dynamics;
+use super::measurement::{Update, altitude, speed};
 use super::noise::Score;
-use super::state::{Record, Update};
-use super::state_index::StateIndex;
-use super::state_index::StateIndex::{
-    Altitude, Bias, FastGnssError, KineticEnergy, Slope, SlowGnssError, TyreSlip, Wind,
-};
+use super::state::Record;
+use super::state_index::StateIndex::{self, Altitude, Bias, Slope, Wind};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Record<S> {
@@ -56,14 +54,12 @@ impl<S: Scalar> Record<S> {
     /// Takes the error over the updates. Returns those of their innovations: speed, altitude, slope.
     #[inline(never)] // One copy: flash is small.
     pub(crate) fn answer(&self, cell: &CellInput, error: &mut StateVector<S>) -> [Option<S>; 3] {
-        let per_slip = S::from_f32(cell.energy_per_slip);
-        let wheels = error[KineticEnergy as usize] + per_slip * error[TyreSlip as usize];
-        let speed = carry(error, self.speed.as_ref(), wheels);
-        let [z, slow, fast] = [Altitude, SlowGnssError, FastGnssError].map(|i| error[i as usize]);
-        let altitude = carry(error, self.altitude.as_ref(), z + slow + fast);
-        let row = self.state.slope_row(cell).into_iter();
-        let observed = row.fold(S::ZERO, |sum, (i, h)| sum + h * error[i as usize]);
-        [speed, altitude, carry(error, self.slope.as_ref(), observed)]
+        let speed = speed::row(cell).of(error);
+        let speed = carry(error, speed, self.speed.as_ref());
+        let altitude = altitude::row().of(error);
+        let altitude = carry(error, altitude, self.altitude.as_ref());
+        let slope = self.state.slope_row(cell).of(error);
+        [speed, altitude, carry(error, slope, self.slope.as_ref())]
     }
 
     /// Takes the error over the step. Returns the score of its amount: what the innovations say of it,
@@ -102,10 +98,10 @@ impl<S: Scalar> Record<S> {
 /// Applies an update to the error. Returns that of its innovation.
 fn carry<S: Scalar>(
     error: &mut StateVector<S>,
-    update: Option<&Update<S>>,
     observed: S,
+    update: Option<&Update<S>>,
 ) -> Option<S> {
-    let update = update?;
+    let update = update?.used()?;
     S::add_products(error, -observed, &update.gain);
     Some(observed)
 }

@@ -63,10 +63,9 @@ impl SlowStates {
     /// learned for another mass.
     #[must_use]
     pub fn kept_scale(&self, context: &Context, sample: &Sample) -> f32 {
-        let tuning = &context.tuning.prior;
         let change_kg = (sample.forces.mass_kg - self.mass_kg).abs();
-        if change_kg <= tuning.same_load * self.mass_kg {
-            tuning.kept_scale
+        if change_kg <= context.tuning.detection.mass_change * self.mass_kg {
+            context.tuning.prior.kept_scale
         } else {
             0.0
         }

@@ -1,22 +1,16 @@
 //! Mean and covariance of the states, and their step over a cell.
 
-use super::cell_input::{CellInput, Reading};
+use super::cell_input::CellInput;
 use super::covariance::{Covariance, StateVector};
 use super::dynamics::Dynamics;
+use super::measurement::Update;
 use super::noise::{CellNoise, Noise};
 use super::state_index::STATES;
 use super::state_index::StateIndex::{
-    self, Altitude, Bias, DoubtfulForce, FastGnssError, KineticEnergy, Retarder, Scale, Slope,
-    SlowGnssError, TyreSlip, Wind,
+    self, Altitude, Bias, DoubtfulForce, KineticEnergy, Retarder, Scale, Slope, Wind,
 };
-use crate::cell::{CELL_LENGTH_M, Uncertain};
+use crate::cell::Uncertain;
 use crate::scalar::Scalar;
-use crate::vehicle::GRAVITY;
-
-/// Largest force over weight that a speed hides: hard braking.
-const LARGEST_FORCE: f32 = 0.3;
-/// Squared innovation of the speed over its variance beyond which it is no noise.
-const STEP_RATIO: f32 = 25.0;
 
 /// Mean and covariance of the states, and the forces that weigh two of them.
 #[derive(Clone, Copy, Debug)]
@@ -89,17 +83,6 @@ impl Moments<f32> {
     }
 }
 
-/// A scalar update that was applied.
-#[derive(Clone, Copy, Debug)]
-pub struct Update<S> {
-    /// Innovation ν.
-    pub innovation: S,
-    /// Innovation variance h P h' + R.
-    pub innovation_variance: S,
-    /// Gain P h' over the innovation variance.
-    pub gain: StateVector<S>,
-}
-
 /// What a step leaves for the backward pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Record<S> {
@@ -162,6 +145,12 @@ impl<S: Scalar> State<S> {
         }
     }
 
+    /// Returns the mean of a quantity.
+    #[inline(always)]
+    pub(super) fn mean_of(&self, quantity: Quantity) -> S {
+        self.of(quantity, |i| self.mean[i as usize])
+    }
+
     /// Returns mean and variance of a quantity, and its covariance with the states, P h'.
     #[inline]
     #[must_use]
@@ -169,7 +158,7 @@ impl<S: Scalar> State<S> {
         let cross =
             StateIndex::ALL.map(|index| self.of(quantity, |i| self.covariance.get(i, index)));
         let moments = Moments {
-            mean: self.of(quantity, |i| self.mean[i as usize]),
+            mean: self.mean_of(quantity),
             variance: self.of(quantity, |i| cross[i as usize]),
         };
         (moments, cross)
@@ -225,12 +214,12 @@ impl<S: Scalar> State<S> {
             (None, false)
         };
         record.altitude = if cell.altitude.is_some() {
-            self.update_altitude(&cell.altitude, noise.altitude, gate)
+            Some(self.update_altitude(&cell.altitude, noise.altitude, gate))
         } else {
             None
         };
         record.slope = if cell.slope.is_some() {
-            self.update_slope(cell, noise.slope, gate)
+            Some(self.update_slope(cell, noise.slope, gate))
         } else {
             None
         };
@@ -244,120 +233,6 @@ impl<S: Scalar> State<S> {
         p.add(Scale, Scale, variance);
         p.add(Scale, Slope, -(variance * l));
         p.add(Slope, Slope, variance * l * l);
-    }
-
-    #[inline(always)]
-    fn update_speed(
-        &mut self,
-        cell: &CellInput,
-        energy_before: S,
-        variance: S,
-    ) -> (Update<S>, bool) {
-        let energy = self.mean[KineticEnergy as usize];
-        let behind = S::from_f32(cell.energy.behind_m * (1.0 / CELL_LENGTH_M));
-        let measured = S::from_f32(cell.energy.value) + behind * (energy - energy_before);
-        let per_slip = S::from_f32(cell.energy_per_slip);
-        let mut cross = self.covariance.row(KineticEnergy);
-        S::add_products(&mut cross, per_slip, &self.covariance.row(TyreSlip));
-        let observed =
-            |v: &StateVector<S>| v[KineticEnergy as usize] + per_slip * v[TyreSlip as usize];
-        let innovation = measured - observed(&self.mean);
-        let mut innovation_variance = observed(&cross) + variance;
-        let squared = innovation.squared();
-        // No force changes a speed so: the sensor stuck, slipped, or another one took over.
-        let most = S::from_f32(LARGEST_FORCE * GRAVITY * cell.since_speed_m);
-        let steps =
-            squared > most.squared() && squared > S::from_f32(STEP_RATIO) * innovation_variance;
-        if steps {
-            self.covariance.add(KineticEnergy, KineticEnergy, squared);
-            cross[KineticEnergy as usize] += squared;
-            innovation_variance += squared;
-        }
-        (self.update(innovation, innovation_variance, &cross), steps)
-    }
-
-    #[inline(always)]
-    fn update_altitude(
-        &mut self,
-        reading: &Reading,
-        variance: S,
-        gate: Option<S>,
-    ) -> Option<Update<S>> {
-        let slope = self.of(Quantity::RoadSlope, |i| self.mean[i as usize]);
-        let measured = S::from_f32(reading.value) + S::from_f32(0.01 * reading.behind_m) * slope;
-        let mut cross = self.covariance.row(Altitude);
-        let [slow, fast] = [SlowGnssError, FastGnssError].map(|index| self.covariance.row(index));
-        for ((element, slow), fast) in cross.iter_mut().zip(slow).zip(fast) {
-            *element += slow + fast;
-        }
-        let observed = |v: &StateVector<S>| {
-            v[Altitude as usize] + v[SlowGnssError as usize] + v[FastGnssError as usize]
-        };
-        let innovation = measured - observed(&self.mean);
-        let innovation_variance = observed(&cross) + variance;
-        if gate.is_some_and(|gate| innovation.squared() > gate * innovation_variance) {
-            return None;
-        }
-        Some(self.update(innovation, innovation_variance, &cross))
-    }
-
-    #[inline(never)] // Not for the vehicles without such a sensor.
-    fn update_slope(
-        &mut self,
-        cell: &CellInput,
-        variance: S,
-        gate: Option<S>,
-    ) -> Option<Update<S>> {
-        let quantity = if cell.marks.slope_is_read {
-            Quantity::ReadSlope
-        } else {
-            Quantity::RoadSlope
-        };
-        let (slope, cross) = self.quantity(quantity);
-        let innovation = S::from_f32(cell.slope.value) - slope.mean;
-        let innovation_variance = slope.variance + variance;
-        if gate.is_some_and(|gate| innovation.squared() > gate * innovation_variance) {
-            return None;
-        }
-        Some(self.update(innovation, innovation_variance, &cross))
-    }
-
-    /// Returns the row of a slope that was measured directly in a cell.
-    #[inline(always)]
-    pub(super) fn slope_row(&self, cell: &CellInput) -> [(StateIndex, S); 6] {
-        let of_road = if cell.marks.slope_is_read {
-            S::ZERO
-        } else {
-            S::ONE
-        };
-        [
-            (Slope, S::ONE),
-            (Bias, -of_road),
-            (Wind, -of_road),
-            (DoubtfulForce, -of_road),
-            (Scale, of_road * self.net_traction),
-            (Retarder, -(of_road * self.retarder)),
-        ]
-    }
-
-    #[inline(never)] // One copy: flash is small.
-    fn update(
-        &mut self,
-        innovation: S,
-        innovation_variance: S,
-        cross: &StateVector<S>,
-    ) -> Update<S> {
-        let per_variance = S::ONE / innovation_variance;
-        let gain = cross.map(|element| element * per_variance);
-        for (x, gain) in self.mean.iter_mut().zip(&gain) {
-            x.add_product(innovation, gain);
-        }
-        self.covariance.reduce(&gain, cross);
-        Update {
-            innovation,
-            innovation_variance,
-            gain,
-        }
     }
 }
 

@@ -10,7 +10,7 @@ use crate::cell::CELL_LENGTH_M;
 use crate::context::Context;
 use crate::sample::{AltitudeContinuity, Sample, SlopeSensor};
 use crate::scalar::Scalar;
-use crate::tuning::Numbers;
+use crate::tuning::{Numbers, Tuning};
 use crate::vehicle::{GRAVITY, Traction};
 
 /// What earlier cells leave for the next one.
@@ -67,8 +67,8 @@ impl VehicleCells {
 
     /// Returns what the last cell says of those before it.
     #[must_use]
-    pub fn doubt_behind(&self, numbers: &Numbers, sample: &Sample) -> Option<DoubtBehind> {
-        DoubtBehind::of_rest(numbers, sample).or(self.contradiction)
+    pub fn doubt_behind(&self, tuning: &Tuning, sample: &Sample) -> Option<DoubtBehind> {
+        DoubtBehind::of_rest(tuning, sample).or(self.contradiction)
     }
 
     /// Returns the cell of a sample; `None` before the first speed. `known` is what an earlier drive has
@@ -99,7 +99,7 @@ impl VehicleCells {
         } else if !marks.invalid {
             self.net_traction_percent = forces.percent(sample.forces.traction_n - forces.drag_n);
         }
-        let launches = self.launches(numbers, sample, energies, gap);
+        let launches = self.launches(context, sample, energies);
         let traction_jump_percent = if (launches || sample.after_stop) && !gap {
             self.net_traction_percent - before_percent
         } else {
@@ -253,19 +253,18 @@ impl VehicleCells {
     /// gains speed is the driver's, and no answer to the road.
     fn launches(
         &mut self,
-        numbers: &Numbers,
+        context: &Context,
         sample: &Sample,
         (before, after): (f32, f32),
-        gap: bool,
     ) -> bool {
-        if sample.duration_s > numbers.launch_stop_s {
+        let tuning = &context.tuning;
+        let numbers = &tuning.estimation;
+        if sample.duration_s > tuning.hold_times.stop.seconds() {
             self.since_stop_m = 0.0;
         }
-        let launches = !gap
-            && self.since_stop_m < numbers.launch_length_m
-            && after - before > numbers.launch_mps2 * CELL_LENGTH_M;
+        let is_near_stop = self.since_stop_m < numbers.launch_length_m;
         self.since_stop_m += CELL_LENGTH_M;
-        launches
+        is_near_stop && after - before > numbers.launch_mps2 * CELL_LENGTH_M
     }
 
     fn altitude(&mut self, numbers: &Numbers, sample: &Sample) -> Reading {
@@ -314,7 +313,7 @@ impl<'a> Forces<'a> {
         Marks {
             invalid: condition.shifting || sample.service_braking || condition.no_traction,
             overrun: self.context.model.vehicle.traction != Traction::Force
-                && traction_percent < self.numbers.overrun_percent,
+                && traction_percent < self.numbers.least_force_percent,
             slope_is_read: false,
             by_accelerometer: false,
             rest_begins: false,
@@ -341,7 +340,7 @@ impl<'a> Forces<'a> {
         // In low gears most of the torque turns the engine itself.
         let turning_n = forces.traction_n * forces.rotating_kg / forces.accelerated_kg();
         let fixed = square(numbers.inertia_noise * self.percent(turning_n))
-            + square(numbers.jump_noise * traction_jump_percent)
+            + square(numbers.inertia_noise * traction_jump_percent)
             + square(numbers.retarder_step_noise * retarder_step_percent);
         (square(self.percent(numbers.force_noise_n)), fixed)
     }
@@ -352,7 +351,11 @@ impl<'a> Forces<'a> {
         if rest.rests_at_limit {
             return 0.0;
         }
-        self.percent(walk_n(self.numbers, rest.resting_s, rest.per_percent_n))
+        self.percent(walk_n(
+            &self.context.tuning,
+            rest.resting_s,
+            rest.per_percent_n,
+        ))
     }
 
     /// Auxiliaries and steady wind are forces, which weigh less on a heavy vehicle. Errors of tyres and
@@ -361,8 +364,8 @@ impl<'a> Forces<'a> {
         let numbers = self.numbers;
         let rolling = 100.0 * self.context.model.vehicle.rolling_resistance;
         square(self.percent(numbers.bias_force_n))
-            + square(numbers.bias_rolling * rolling)
-            + square(numbers.bias_drag * self.percent(self.drag_n))
+            + square(numbers.bias_resistance * rolling)
+            + square(numbers.bias_resistance * self.percent(self.drag_n))
     }
 
     /// Returns the net traction, %. What turns engine and wheels does not move the mass.

@@ -89,7 +89,6 @@ impl<'n> CellModel<'n> {
         of[Noise::Force as usize] *= levels.force;
         of[Noise::Force as usize] += square(cell.gravity) * cell.fixed_force_variance;
         of[Noise::Road as usize] *= levels.road * segment.road;
-        of[Noise::Wind as usize] *= levels.wind;
         of[Noise::SlowGnss as usize] *= levels.slow_gnss * segment.slow_gnss;
         of[Noise::FastGnss as usize] *= levels.fast_gnss;
         of[Noise::Doubt as usize] = own.doubt;

@@ -34,9 +34,9 @@ impl DoubtFinder {
 
     /// Finds how the force of the next cell is in doubt, and opens or closes its step.
     pub fn next(&mut self, numbers: &Numbers, cell: &CellInput, variances: &mut CellVariances) {
-        let rests = cell.rest_percent > numbers.rest_least_percent;
+        let rests = cell.rest_percent > numbers.least_force_percent;
         let overruns = self.overrun_is_doubtful && cell.marks.overrun;
-        let retards = cell.retards();
+        let retards = cell.retards(numbers);
         let is_on = rests || overruns || retards;
         if !is_on && !self.was_on {
             // Nearly every cell.
@@ -59,8 +59,14 @@ impl DoubtFinder {
             + of(retards, numbers.retarder_noise * cell.retarder_percent);
         let step_percent = if steps { Scalar::sqrt(scale) } else { 0.0 };
         if steps != (variances.doubt > 0.0) {
-            let start = numbers.start_doubt_percent;
-            variances.doubt = of(steps, start);
+            // A retarder nearly always has the force that it reports, a fault is rare and large.
+            let is_fault = rests || overruns;
+            let start_percent = if is_fault {
+                numbers.start_doubt_percent
+            } else {
+                step_percent
+            };
+            variances.doubt = of(steps, start_percent);
         }
         variances.doubt_cell = DoubtCell {
             is_on,

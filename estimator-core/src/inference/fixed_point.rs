@@ -88,7 +88,7 @@ impl FixedPoint {
         let step_percent = own.doubt_cell.step_percent;
         if step_percent > 0.0 {
             let score = &found.of[Noise::Doubt as usize];
-            own.doubt = shock(numbers.doubt_shape, step_percent, own.doubt, score);
+            own.doubt = shock(numbers.shock_shape, step_percent, own.doubt, score);
         }
         if cell.load_variance > 0.0 {
             segment.load = load_change(numbers, cell, terms.noise.load.to_f32(), &found.load);
@@ -130,8 +130,6 @@ impl FixedPoint {
         }
         let (square, determined) = squares(Noise::FastGnss);
         self.sums.fast_gnss.add(square, determined);
-        let (square, determined) = squares(Noise::Wind);
-        self.sums.wind.add(square, determined);
         if cell.marks.invalid {
             return;
         }
@@ -165,7 +163,7 @@ impl FixedPoint {
             found,
             ..
         } = passed;
-        let freedom = numbers.altitude_freedom;
+        let freedom = numbers.freedom;
         if let Some(score) = &found.altitude {
             let square = expected_square(terms.noise.altitude, score);
             let (base, level) = (cell.altitude.variance, levels.altitude);
@@ -199,11 +197,11 @@ impl FixedPoint {
             self.kink = self.kink.larger(bend);
         }
         let most = numbers.bias_shock_most_percent;
-        let (shape, scale) = (numbers.bias_shock_shape, numbers.bias_shock_percent);
+        let (shape, scale) = (numbers.shock_shape, numbers.bias_shock_percent);
         segment.bias_shock =
             Scalar::min(most * most, shock(shape, scale, segment.bias_shock, bias));
+        let (shape, scale) = (numbers.shock_shape, numbers.kink_percent);
         let most = numbers.kink_most_percent;
-        let (shape, scale) = (numbers.kink_shape, numbers.kink_percent);
         segment.kink = Scalar::min(most * most, shock(shape, scale, segment.kink, kink));
         let road = core::mem::take(&mut self.road);
         let slow_gnss = core::mem::take(&mut self.slow_gnss);
@@ -212,7 +210,7 @@ impl FixedPoint {
             let determined = assumed - numbers.uninformed + 0.5 * sum.determined;
             Scalar::min(most, (assumed + 0.5 * sum.squares) / determined)
         };
-        segment.road = multiplier(road, numbers.road_freedom, numbers.road_most);
+        segment.road = multiplier(road, numbers.freedom, numbers.road_most);
         segment.slow_gnss =
             multiplier(slow_gnss, numbers.slow_gnss_freedom, numbers.slow_gnss_most);
     }
@@ -236,13 +234,13 @@ impl FixedPoint {
             let size = Scalar::min(step.size_percent.abs(), most);
             size * size
         };
-        if self.bias_step.evidence > numbers.revive
+        if self.bias_step.evidence > numbers.gate
             && let Some(segment) = segments.get_mut(self.bias_step.segment)
         {
             let shock = opened(&self.bias_step, numbers.bias_shock_most_percent);
             segment.bias_shock = Scalar::max(segment.bias_shock, shock);
         }
-        if self.kink.evidence > numbers.revive
+        if self.kink.evidence > numbers.gate
             && let Some(segment) = segments.get_mut(self.kink.segment)
         {
             let kink = opened(&self.kink, numbers.kink_most_percent);
@@ -316,12 +314,7 @@ fn load_change<S: Scalar>(
     variance: f32,
     score: &Score<S>,
 ) -> f32 {
-    let next = shock(
-        numbers.load_shock_shape,
-        numbers.load_shock,
-        variance,
-        score,
-    );
+    let next = shock(numbers.shock_shape, numbers.load_shock, variance, score);
     if cell.marks.load_told {
         return next;
     }

@@ -4,7 +4,7 @@ use crate::scalar::Scalar;
 use crate::tuning::Numbers;
 
 macro_rules! levels {
-    ($($(#[$about:meta])* $name:ident: $weight:ident, $low:ident, $high:ident;)*) => {
+    ($($(#[$about:meta])* $name:ident: $low:ident, $high:ident;)*) => {
         /// Learned over assumed variances.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -37,7 +37,7 @@ macro_rules! levels {
             #[must_use]
             pub fn levels(&self, numbers: &Numbers) -> Levels {
                 Levels {
-                    $($name: self.$name.level(numbers.$weight, numbers.$low, numbers.$high),)*
+                    $($name: self.$name.level(numbers.level_weight, numbers.$low, numbers.$high),)*
                 }
             }
 
@@ -52,21 +52,19 @@ macro_rules! levels {
 
 levels! {
     /// White noise of the force.
-    force: level_weight, force_level_low, force_level_high;
+    force: level_low, level_high;
     /// Change of the slope rate.
-    road: level_weight, road_level_low, road_level_high;
-    /// Wind.
-    wind: wind_level_weight, wind_level_low, wind_level_high;
+    road: road_level_low, road_level_high;
     /// Slow GNSS error.
-    slow_gnss: level_weight, slow_gnss_level_low, gnss_level_high;
+    slow_gnss: slow_gnss_level_low, level_high;
     /// Fast GNSS error.
-    fast_gnss: level_weight, gnss_level_low, gnss_level_high;
+    fast_gnss: level_low, level_high;
     /// White noise of a fix.
-    altitude: level_weight, altitude_level_low, altitude_level_high;
+    altitude: level_low, level_high;
     /// Noise of a slope that is measured directly.
-    slope: level_weight, slope_level_low, slope_level_high;
+    slope: level_low, level_high;
     /// Noise of the speed.
-    speed: level_weight, speed_level_low, speed_level_high;
+    speed: level_low, level_high;
 }
 
 /// A sum of normalised squares, and how many of them the data determine.

@@ -4,8 +4,7 @@ use super::doubt::DoubtFinder;
 use super::levels::{LevelSums, Levels};
 use super::variances::{CellVariances, SEGMENT_CELLS, SegmentVariances};
 use super::window::{
-    BLOCK_CELLS, BLOCKS, LiveSlope, Slope, UPDATE_CELLS, Window, is_undecided, of_doubtful_force,
-    timing_variance,
+    LiveSlope, Slope, UPDATE_CELLS, Window, is_undecided, of_doubtful_force, timing_variance,
 };
 use crate::cell::{CELL_LENGTH_M, Disagreement};
 use crate::filter::{CellInput, DoubtBehind, Quantity, Record, State};
@@ -27,12 +26,10 @@ impl<S: Scalar> Window<S> {
     ) -> LiveSlope {
         if !self.has_begun {
             self.has_begun = true;
-            // Not at the creation, where it would pass over the stack.
-            let _ = self.checkpoints.resize(BLOCKS, State::ZERO);
-            let _ = self.records.resize(BLOCK_CELLS, Record::EMPTY);
             self.newest = prior();
             self.adopted.committed = self.newest;
         }
+        self.make_room();
         let index = self.cells.len();
         if index.is_multiple_of(SEGMENT_CELLS) {
             let mut segment = SegmentVariances::start(numbers, numbers.live_multiplier);
@@ -59,13 +56,24 @@ impl<S: Scalar> Window<S> {
         live
     }
 
+    /// Adds to the memory of the rounds, one element of each a cell: all at once would be the longest
+    /// call. The first update comes when it is complete.
+    fn make_room(&mut self) {
+        if !self.records.is_full() {
+            let _ = self.records.push(Record::EMPTY);
+        }
+        if !self.checkpoints.is_full() {
+            let _ = self.checkpoints.push(State::ZERO);
+        }
+    }
+
     fn step_live(&mut self, numbers: &Numbers, cell: &CellInput, index: usize) -> LiveSlope {
         let round = self.adopted.round(numbers, 0);
         let stretch = self.adopted.stretch(&self.cells, 0);
         let Some((_, terms)) = round.terms(&stretch, index) else {
             return self.restart(numbers);
         };
-        let gate = S::from_f32(numbers.live_gate);
+        let gate = S::from_f32(numbers.gate);
         let mut record = Record::EMPTY;
         round.step(&mut self.newest, cell, &terms, Some(gate), &mut record);
         let (slope, _) = self.newest.quantity(Quantity::RoadSlope);
@@ -91,8 +99,8 @@ impl<S: Scalar> Window<S> {
                 climb: is_undecided(numbers, self.undecided_variance),
                 ..of_doubtful_force(numbers, cell, force.mean.to_f32())
             },
-            used_altitude: cell.altitude.is_some().then_some(record.altitude.is_some()),
-            used_slope: cell.slope.is_some().then_some(record.slope.is_some()),
+            used_altitude: record.altitude.map(|update| update.used().is_some()),
+            used_slope: record.slope.map(|update| update.used().is_some()),
             speed_steps: record.speed_steps,
             restarted: false,
         }

@@ -33,7 +33,7 @@ pub mod window;
 mod work;
 
 pub use crate::tuning::Numbers;
-pub use cell_model::CellModel;
+pub use cell_model::{CellModel, CellTerms};
 pub use fixed_point::FixedPoint;
 pub use hidden_brakes::HiddenBrakes;
 pub use levels::{LevelSums, Levels};

@@ -146,9 +146,7 @@ impl<S: Scalar> PastSteps<S> {
             let step = ClosedStep::new(0, &score);
             found.add_odds(&step, score.information.to_f32(), candidate.most);
             let is_best = best.is_none_or(|(_, evidence)| step.evidence > evidence);
-            if step.evidence > numbers.revive
-                && is_best
-                && candidate.is_clear(&step, window, numbers)
+            if step.evidence > numbers.gate && is_best && candidate.is_clear(&step, window, numbers)
             {
                 best = Some((at, step.evidence));
             }

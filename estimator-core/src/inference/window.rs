@@ -226,7 +226,7 @@ impl<S: Scalar> Default for Window<S> {
 pub fn of_doubtful_force(numbers: &Numbers, cell: &CellInput, force_percent: f32) -> Disagreement {
     // That of a reported retarder is no disagreement.
     let doubts = force_percent.abs() > numbers.inconsistent_percent
-        && !cell.retards()
+        && !cell.retards(numbers)
         && !cell.marks.by_accelerometer;
     let overruns = cell.marks.overrun;
     Disagreement {

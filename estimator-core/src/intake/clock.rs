@@ -52,7 +52,7 @@ impl Clock {
     /// Creates the clock before the first input.
     pub(super) fn new(tuning: &HoldTimes) -> Self {
         Self {
-            far_ahead_us: tuning.clock_far_ahead.short_micros(),
+            far_ahead_us: tuning.start.short_micros(),
             stamp: Instant::ZERO,
             behind_us: 0,
             anomaly: Anomaly::NoInput,
@@ -80,7 +80,7 @@ impl Clock {
             self.anomaly = Anomaly::None;
             return TimeCheck::Follows;
         }
-        self.out_of_time(stamp, tuning.clock_set_back)
+        self.out_of_time(stamp, tuning.agreement)
     }
 
     #[inline(never)] // Not on the path of every frame.

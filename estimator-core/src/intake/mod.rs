@@ -54,7 +54,7 @@ struct Checks {
 }
 
 impl Intake {
-    /// Creates an intake that has received nothing. A later change of `clock_far_ahead` in the tuning
+    /// Creates an intake that has received nothing. A later change of `start` in the tuning
     /// has no effect on it.
     #[must_use]
     #[inline(always)] // See Estimator::new_in().

@@ -191,7 +191,7 @@ impl SourceArbiter {
         tuning: &HoldTimes,
     ) -> Admission {
         let started = *self.started.get_or_insert(now);
-        let is_start = now.since(started) < tuning.source_start;
+        let is_start = now.since(started) < tuning.start;
         let engine = self.signals.get(Signal::EngineTorque as usize);
         let is_of_engine = engine.is_some_and(|of| of.sender.address() == sender.address());
         let Some(ownership) = self.signals.get_mut(signal as usize) else {
@@ -244,7 +244,7 @@ impl Ownership {
         let returns = sender == self.owner;
         if is_free || precedes {
             self.owner = sender;
-        } else if !returns && self.silence(now) <= tuning.source_timeout {
+        } else if !returns && self.silence(now) <= tuning.state_timeout {
             return Admission::Refused;
         }
         self.sender = sender;

@@ -62,11 +62,11 @@ impl Brakes {
     pub(super) fn hold(&mut self, tuning: &Tuning, now: Instant) {
         let hold_times = &tuning.hold_times;
         if self.service_brakes(tuning, now) {
-            self.until = self.until.max(now + hold_times.brake_hold);
-            self.service_until = self.service_until.max(now + hold_times.brake_hold);
+            self.until = self.until.max(now + hold_times.hold);
+            self.service_until = self.service_until.max(now + hold_times.hold);
         }
         if self.retards(tuning, now) {
-            self.until = self.until.max(now + hold_times.retarder_hold);
+            self.until = self.until.max(now + hold_times.hold);
         }
     }
 

@@ -44,7 +44,7 @@ struct MeasuredRatio {
 impl MeasuredRatio {
     /// Takes a ratio. Returns the ratio that has lasted for long enough.
     fn follow(&mut self, tuning: &Tuning, now: Instant, ratio: f32) -> Option<f32> {
-        let tolerance = tuning.detection.gear_ratio_tolerance;
+        let tolerance = tuning.detection.gear_tolerance;
         let since = self
             .since
             .filter(|_| (ratio - self.ratio).abs() <= tolerance * self.ratio);
@@ -111,7 +111,7 @@ impl DrivelineSignals {
         if changed && signal == Signal::GearRatio {
             self.gear_of_ratio = match &context.model.vehicle.traction {
                 Traction::Powertrain(powertrain) => {
-                    let tolerance = context.tuning.detection.gear_ratio_tolerance;
+                    let tolerance = context.tuning.detection.gear_tolerance;
                     value.and_then(|ratio| powertrain.gear_of_ratio(ratio, tolerance))
                 }
                 Traction::Force => None,
@@ -151,7 +151,7 @@ impl DrivelineSignals {
         if open {
             // At launch the clutch is not closed either, and passes all the torque. An engine
             // without load would speed up.
-            let coasts = speed_mps.is_some_and(|mps| mps >= tuning.detection.coast_mps)
+            let coasts = speed_mps.is_some_and(|mps| mps >= tuning.detection.launch_mps)
                 && net_torque_percent
                     .is_none_or(|percent| percent < tuning.detection.loaded_percent);
             let half_open = slips && slip_percent < 100.0 - offset_percent;
@@ -182,7 +182,7 @@ impl DrivelineSignals {
             Driveline::Engaged(gear) => {
                 let rpm = self
                     .engine_speed
-                    .within(now, tuning.hold_times.torque_timeout)?;
+                    .within(now, tuning.hold_times.reading_timeout)?;
                 Some(rpm / gear.ratio)
             }
             Driveline::Open | Driveline::Unknown => None,
@@ -201,10 +201,10 @@ impl DrivelineSignals {
     ) -> (Driveline, bool) {
         let timeout = tuning.hold_times.state_timeout;
         let detection = &tuning.detection;
-        let is_launch = speed_mps.is_none_or(|mps| mps < detection.coast_mps);
+        let is_launch = speed_mps.is_none_or(|mps| mps < detection.launch_mps);
         let engine_rpm = self
             .engine_speed
-            .within(now, tuning.hold_times.torque_timeout);
+            .within(now, tuning.hold_times.reading_timeout);
         let ratio = self.gear_ratio.within(now, timeout);
         let number = self.gear.within(now, timeout);
         // A single reduction is in unless a signal says that it is open. Nothing else needs to report
@@ -218,7 +218,7 @@ impl DrivelineSignals {
             let (slowest_mps, tolerance) = if is_launch {
                 (SLOW_MPS, 1.0)
             } else {
-                (0.0, detection.engine_tolerance)
+                (0.0, detection.gear_tolerance)
             };
             let turns = |(rpm, mps)| {
                 let mps = Scalar::max(mps, slowest_mps);
@@ -240,7 +240,7 @@ impl DrivelineSignals {
         let in_doubt = is_launch || !self.is_clutch_reported(tuning, now);
         let gear = match (reported, engine_rpm, speed_mps) {
             (None, Some(rpm), Some(mps)) if !is_reported => {
-                let tolerance = detection.gear_ratio_tolerance;
+                let tolerance = detection.gear_tolerance;
                 powertrain.gear_of_speeds(rpm, mps, model.wheel_radius_m(), tolerance)
             }
             // A gear is reported whether it is in or not. Where no other signal reports that, and at
@@ -248,9 +248,9 @@ impl DrivelineSignals {
             // gear is wrong.
             (Some(gear), Some(rpm), Some(mps)) => {
                 let tolerance = if is_launch {
-                    detection.launch_tolerance
+                    detection.gear_tolerance
                 } else {
-                    detection.engine_tolerance
+                    detection.gear_tolerance
                 };
                 let turned_rpm = powertrain.engine_rpm(gear, mps, model.wheel_radius_m());
                 let turns = is_near(rpm, turned_rpm, tolerance);

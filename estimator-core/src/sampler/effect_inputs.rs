@@ -56,10 +56,10 @@ impl EffectSignals {
         course_deg: Option<f32>,
         speed_mps: Option<f32>,
     ) {
-        let timeout = tuning.hold_times.effect_input_timeout;
+        let timeout = tuning.hold_times.reading_timeout;
         let before = self.course.with_age(now).filter(|(_, age)| *age <= timeout);
         self.course.set(course_deg, now);
-        let speed_mps = speed_mps.filter(|mps| *mps >= tuning.detection.turn_mps);
+        let speed_mps = speed_mps.filter(|mps| *mps >= tuning.detection.slow_mps);
         let (Some(course_deg), Some((before_deg, since)), Some(mps)) =
             (course_deg, before, speed_mps)
         else {
@@ -86,16 +86,16 @@ impl EffectSignals {
     /// Returns the course over ground with the time of its reading, °.
     pub(super) fn fresh_course(&self, tuning: &Tuning, now: Instant) -> Option<(f32, Instant)> {
         let (course_deg, age) = self.course.with_age(now)?;
-        (age <= tuning.hold_times.effect_input_timeout).then(|| (course_deg, now - age))
+        (age <= tuning.hold_times.reading_timeout).then(|| (course_deg, now - age))
     }
 
     /// Returns the inputs at the end of a cell, and starts the next cell.
     pub(super) fn take(&mut self, tuning: &Tuning, now: Instant, speed_mps: f32) -> EffectInputs {
-        let timeout = tuning.hold_times.effect_input_timeout;
+        let timeout = tuning.hold_times.reading_timeout;
         let course_deg = self.course.within(now, timeout);
         let turn_radps = self
             .turn_radps
-            .filter(|_| course_deg.is_some() && speed_mps >= tuning.detection.turn_mps);
+            .filter(|_| course_deg.is_some() && speed_mps >= tuning.detection.slow_mps);
         let mean = (self.yaw_rates > 0).then(|| self.yaw_rate_sum / f32::from(self.yaw_rates));
         self.yaw_rate_sum = 0.0;
         self.yaw_rates = 0;
@@ -107,7 +107,7 @@ impl EffectSignals {
                 .or(turn_radps)
                 .into(),
             course_deg: course_deg
-                .filter(|_| speed_mps >= tuning.detection.course_mps)
+                .filter(|_| speed_mps >= tuning.detection.slow_mps)
                 .into(),
             gnss_speed_mps: self.gnss_speed.within(now, timeout).into(),
             fan_percent: self.fan.within(now, tuning.hold_times.state_timeout).into(),

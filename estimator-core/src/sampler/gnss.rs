@@ -28,6 +28,8 @@ const UNITS_PER_M_EAST: f32 = 1_031.0;
 const STEP_SLACK_M: f32 = 200.0;
 /// ... and this times what was driven.
 const STEP_RATIO: f32 = 2.0;
+/// Fewest satellites that give an altitude: position and clock are four unknowns.
+const FEWEST_SATELLITES: f32 = 4.0;
 
 impl PositionFix {
     /// Returns whether a vehicle can have come here from an earlier fix.
@@ -157,19 +159,16 @@ impl Gnss {
         let timeout = tuning.hold_times.state_timeout;
         let quality = |latest: &Latest| latest.within(now, timeout);
         let satellites = quality(&self.satellites);
-        let noise = &tuning.measurement_noise;
         let dilution = quality(&self.vdop).or(quality(&self.hdop)).unwrap_or(1.0);
+        // Not of none: fewer than four give no altitude.
         let few = satellites.map_or(1.0, |count| {
-            1.0 + noise.dilution_per_missing_satellite
-                * Scalar::max(0.0, noise.many_satellites - count)
+            let missing = tuning.measurement_noise.many_satellites / Scalar::max(1.0, count);
+            missing * missing
         });
         let measurement = AltitudeMeasurement {
             altitude_m,
             behind_m: 0.0,
-            dilution: Scalar::min(
-                noise.largest_dilution,
-                Scalar::max(1.0, Scalar::max(few, dilution)),
-            ),
+            dilution: Scalar::max(1.0, Scalar::max(few, dilution)),
             continuity,
         };
         self.altitude = Some((measurement, at_m));
@@ -182,8 +181,8 @@ impl Gnss {
         let timeout = tuning.hold_times.state_timeout;
         let method = self.method.within(now, timeout);
         let satellites = self.satellites.within(now, timeout);
-        let fewest = tuning.detection.fewest_satellites;
-        method.is_some_and(|method| method < 0.5) || satellites.is_some_and(|count| count < fewest)
+        method.is_some_and(|method| method < 0.5)
+            || satellites.is_some_and(|count| count < FEWEST_SATELLITES)
     }
 
     /// Returns whether an altitude has been repeated for so long that the receiver is stuck.
@@ -198,8 +197,8 @@ impl Gnss {
             });
         let fixes = repeated.fixes.saturating_add(1);
         self.repeated = Some(Repeated { fixes, ..repeated });
-        fixes >= tuning.detection.altitude_frozen_fixes
-            && at_m - repeated.from_m > tuning.detection.altitude_frozen_m
+        fixes >= tuning.detection.frozen_readings
+            && at_m - repeated.from_m > tuning.detection.fix_reach_m
     }
 
     /// Returns the altitude if it was taken before the distance `end_m`. Otherwise it waits for the
@@ -219,7 +218,7 @@ impl Gnss {
     pub(super) fn position_at(&self, tuning: &Tuning, at_m: f32) -> Option<(i32, i32)> {
         let fix = self.fix?;
         let beyond_m = at_m - fix.at_m;
-        if beyond_m > tuning.detection.position_reach_m {
+        if beyond_m > tuning.detection.fix_reach_m {
             return None;
         }
         let Some(earlier) = self.earlier_fix else {

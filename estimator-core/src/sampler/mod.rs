@@ -8,11 +8,12 @@
 //! |---|---|
 //! | `driveline`, `traction` | gear and clutch; torque or force to mean traction force |
 //! | `engine_configuration` | reference torque and inertia that the engine reports |
-//! | `traction_lag`, `torque_rests` | traction that is late beside the motion; torque that is not renewed |
+//! | `torque_rests` | torque that is not renewed |
 //! | `brakes`, `retarder` | brakes and retarders that signals report |
 //! | `odometer`, `speed_check`, `speed_returns` | distance and cells; plausibility of speed readings; those of two senders |
 //! | `gnss` | positions and altitudes along the driven distance |
-//! | `gnss_timing`, `lagged_differences`, `speed_lag`, `lag_regression` | age of a fix; scale of the wheel speed |
+//! | `delays`, `speed_slots`, `lag_likelihood` | how late receiver and force are beside the wheel speed |
+//! | `speed_scale` | scale of the wheel speed |
 //! | `stops`, `reversing` | standstills, weighings, load changes; direction of motion |
 //! | `inertial` | the accelerometer: one mean a cell |
 //! | `slope_sensors` | vertical speed and pitch: the slope directly |
@@ -26,14 +27,13 @@
 
 mod accepted_ranges;
 mod brakes;
+mod delays;
 mod driveline;
 mod effect_inputs;
 mod engine_configuration;
 mod gnss;
-mod gnss_timing;
 mod inertial;
-mod lag_regression;
-mod lagged_differences;
+mod lag_likelihood;
 mod latest;
 mod odometer;
 mod parts;
@@ -42,16 +42,17 @@ mod retarder;
 mod reversing;
 mod slope_sensors;
 mod speed_check;
-mod speed_lag;
 mod speed_returns;
+mod speed_scale;
+mod speed_slots;
 mod stops;
 mod torque_rests;
 mod traction;
-mod traction_lag;
 
 use crate::cell::CELL_LENGTH_M;
 use crate::context::Context;
 use crate::counters::count;
+use crate::delay::Delays;
 use crate::effect::Acts;
 use crate::sample::{AltitudeContinuity, Sample};
 use crate::scalar::Scalar;
@@ -117,9 +118,18 @@ impl Sampler {
     /// Returns the age of a fix when it arrives: that which the speeds show, or the assumed one.
     #[must_use]
     pub fn gnss_latency(&self, tuning: &Tuning) -> Duration {
-        self.parts
-            .gnss_timing
-            .latency(tuning.hold_times.gnss_latency)
+        self.parts.delays.latency(tuning.hold_times.gnss_latency)
+    }
+
+    /// Returns how late receiver and force are, as the drive shows it.
+    #[must_use]
+    pub const fn delays(&self) -> Delays {
+        self.parts.delays.delays()
+    }
+
+    /// Starts with the delays that an earlier drive found.
+    pub(crate) const fn resume(&mut self, delays: &Delays) {
+        self.parts.delays.resume(delays);
     }
 
     /// Starts the drive with the first input, if it has not started.
@@ -227,7 +237,7 @@ impl Sampler {
                 let signals = &mut parts.effect_signals;
                 signals.record(&context.tuning, now, reading.signal, value, speed_mps);
                 if let (Signal::GnssSpeed, Some(mps)) = (reading.signal, value) {
-                    self.compare_speeds(context, now, mps);
+                    parts.delays.ground(now, mps, &context.tuning.detection);
                 }
             }
         }
@@ -243,7 +253,7 @@ impl Sampler {
             Signal::WheelSpeed => self.parts.wheel_check = SpeedCheck::default(),
             Signal::FrontAxleSpeed => self.parts.front_axle_check = SpeedCheck::default(),
             Signal::TachographSpeed => self.parts.tachograph_check = SpeedCheck::default(),
-            Signal::GnssSpeed => return self.parts.gnss_timing.switch_receiver(),
+            Signal::GnssSpeed => return self.parts.delays.switch_receiver(),
             _ => return,
         }
         self.odometer.interrupt();
@@ -264,31 +274,14 @@ impl Sampler {
 
     /// Returns the distance at which a fix that arrives now was taken, from the start of the open
     /// cell, m.
+    #[inline(never)] // Called from two places.
     fn fix_distance_m(&self, context: &Context, now: Instant) -> f32 {
-        let longest = context.tuning.hold_times.speed_timeout;
-        let (latency, way_m) = match self.parts.gnss_timing.way_m(now) {
+        let longest = context.tuning.hold_times.reading_timeout;
+        let (latency, way_m) = match self.parts.delays.way_m(now) {
             Some(way_m) => (Duration::default(), way_m),
             None => (self.gnss_latency(&context.tuning), 0.0),
         };
         self.odometer.distance_m(now, latency, longest) - way_m
-    }
-
-    /// Compares a speed over ground with that of the wheels. If this shows another latency, the last
-    /// fixes move to where they were taken.
-    #[inline(never)] // See record().
-    fn compare_speeds(&mut self, context: &Context, now: Instant, ground_mps: f32) {
-        let Tuning {
-            hold_times,
-            detection,
-            ..
-        } = &context.tuning;
-        let before_m = self.fix_distance_m(context, now);
-        let timing = &mut self.parts.gnss_timing;
-        timing.ground(now, ground_mps, hold_times.gnss_latency, detection);
-        let metres = before_m - self.fix_distance_m(context, now);
-        if metres != 0.0 {
-            self.parts.gnss.put_back(metres);
-        }
     }
 
     /// Takes a reading of the GNSS receiver.
@@ -354,14 +347,15 @@ impl Sampler {
             ..
         } = &context.tuning;
         let mean_force_n = parts.traction.take_mean_n(now);
-        let timing = &mut parts.gnss_timing;
-        timing.force(mean_force_n);
-        let longer_s = timing.wheels(rolled, hold_times.gnss_latency, detection);
-        if longer_s != 0.0 {
+        let assumed = hold_times.gnss_latency;
+        let further_m = parts
+            .delays
+            .wheels(rolled, mean_force_n, assumed, detection);
+        if further_m != 0.0 {
             // The last fixes move to where they were taken.
-            parts.gnss.put_back(longer_s * rolled_mps);
+            parts.gnss.put_back(further_m);
         }
-        let factor = parts.gnss_timing.speed_factor();
+        let factor = parts.delays.speed_factor();
         if factor != parts.speed_factor {
             parts.speed_factor = factor;
             odometer.interrupt();
@@ -406,7 +400,7 @@ impl Sampler {
             condition: parts.condition(context, now, slower_mps),
             resolution_mps: parts.resolution_mps(context, now),
         };
-        let longest = context.tuning.hold_times.speed_timeout;
+        let longest = context.tuning.hold_times.reading_timeout;
         let waits = has_stood && parts.reversing.waits_for_course(direction.gear);
         let bridged = odometer.drive(speed, interval, longest, |driven| {
             let sample = parts.sample(context, &driven);

@@ -3,11 +3,11 @@
 
 use super::accepted_ranges::SPEEDS_MPS;
 use super::brakes::Brakes;
+use super::delays::DelayEstimator;
 use super::driveline::{DrivelineSignals, DrivelineState};
 use super::effect_inputs::EffectSignals;
 use super::engine_configuration::EngineConfiguration;
 use super::gnss::Gnss;
-use super::gnss_timing::GnssTiming;
 use super::inertial::Accelerometer;
 use super::latest::{Latest, TimedValue};
 use super::odometer::DrivenCell;
@@ -42,7 +42,7 @@ pub(super) struct Parts {
     pub stops: Stops,
     pub reversing: Reversing,
     pub gnss: Gnss,
-    pub gnss_timing: GnssTiming,
+    pub delays: DelayEstimator,
     /// Factor on the wheel speed in use.
     pub speed_factor: f32,
     wheel_speed: Latest,
@@ -92,7 +92,7 @@ impl Parts {
             stops: Stops::default(),
             reversing: Reversing::default(),
             gnss: Gnss::default(),
-            gnss_timing: GnssTiming::default(),
+            delays: DelayEstimator::new(),
             speed_factor: 1.0,
             wheel_speed: Latest::default(),
             front_axle_speed: Latest::default(),
@@ -172,8 +172,8 @@ impl Parts {
 
     fn hold_shift(&mut self, context: &Context, now: Instant) {
         // What the engine says then is of before.
-        let late = Duration::from_seconds(self.gnss_timing.traction_late_s());
-        let until = now + context.tuning.hold_times.shift_hold + late;
+        let late = Duration::from_seconds(self.delays.traction_late_s());
+        let until = now + context.tuning.hold_times.hold + late;
         self.shift_until = self.shift_until.max(until);
     }
 
@@ -201,7 +201,7 @@ impl Parts {
         let reported_mps = value.filter(|mps| SPEEDS_MPS.contains(mps));
         let checked = reported_mps.map(|value| {
             let reading = TimedValue { value, time: now };
-            (value, sensor.check(reading, cell, turns, &tuning.detection))
+            (value, sensor.check(reading, cell, turns, tuning))
         });
         let plausible_mps = match checked {
             None => None,
@@ -224,7 +224,7 @@ impl Parts {
                 None
             }
         };
-        let timeout = tuning.hold_times.speed_timeout;
+        let timeout = tuning.hold_times.reading_timeout;
         let is_missing = |better: &Latest| better.within(now, timeout).is_none();
         let counts = match signal {
             Signal::WheelSpeed => {
@@ -259,7 +259,7 @@ impl Parts {
 
     /// Returns the resolution of the speed in use, m/s.
     pub(super) fn resolution_mps(&self, context: &Context, now: Instant) -> f32 {
-        let timeout = context.tuning.hold_times.speed_timeout;
+        let timeout = context.tuning.hold_times.reading_timeout;
         let sensor = if self.wheel_speed.within(now, timeout).is_some() {
             &self.wheel_check
         } else if self.front_axle_speed.within(now, timeout).is_some() {
@@ -277,7 +277,7 @@ impl Parts {
             shifting: now < self.shift_until,
             braking: self.brakes.are_on(now),
             no_traction: !self.traction.is_known(context, now),
-            crawling: slower_mps < context.tuning.detection.crawl_mps,
+            crawling: slower_mps < context.tuning.detection.slow_mps,
         }
     }
 
@@ -329,7 +329,7 @@ impl Parts {
             after_stop: self.stops.take_stop(),
             mass_is_reported: self.stops.has_reported_mass(),
             torque_rest: self.traction.take_rests(driven.time),
-            traction_late_s: self.gnss_timing.traction_late_s(),
+            traction_late_s: self.delays.traction_late_s(),
             disagreement,
             disagreeing_cells: wrong_cells.max(u16::from(!disagreement.is_none())),
         };

@@ -71,7 +71,7 @@ impl Reversing {
 
     fn follow_course(&mut self, tuning: &Tuning, signals: &DirectionSignals) {
         let detection = &tuning.detection;
-        if self.is_reversing && signals.speed_mps > detection.reverse_fastest_mps {
+        if self.is_reversing && signals.speed_mps > detection.launch_mps {
             // It turned round where courses were bad.
             self.is_reversing = false;
             self.heading_deg = None;
@@ -98,7 +98,7 @@ impl Reversing {
     /// Keeps the heading where the course is good.
     fn keep_heading(&mut self, tuning: &Tuning, signals: &DirectionSignals) {
         if let Some((course_deg, _)) = signals.course
-            && signals.speed_mps >= tuning.detection.course_mps
+            && signals.speed_mps >= tuning.detection.slow_mps
             && (self.stood.is_none() || signals.gear.is_some())
         {
             let heading_deg = if self.is_reversing {

@@ -5,7 +5,7 @@ use super::resolution::Resolution;
 use super::speed_returns::Returns;
 use crate::scalar::Scalar;
 use crate::time::Instant;
-use crate::tuning::Detection;
+use crate::tuning::{Detection, Tuning};
 
 /// What a speed reading is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,8 +69,10 @@ impl SpeedCheck {
         reading: TimedValue,
         cell: u32,
         turns: Option<f32>,
-        tuning: &Detection,
+        tuning: &Tuning,
     ) -> Plausibility {
+        let agreement = tuning.hold_times.agreement;
+        let tuning = &tuning.detection;
         if let Some(last) = self.last {
             let leads = last.leads_to(&reading, tuning);
             if !leads {
@@ -78,7 +80,7 @@ impl SpeedCheck {
                     Some((before, since)) if before.leads_to(&reading, tuning) => since,
                     _ => reading.time,
                 };
-                if reading.time.since(since) < tuning.speed_believed {
+                if reading.time.since(since) < agreement {
                     self.other = Some((reading, since));
                     return Plausibility::Jumped;
                 }
@@ -141,7 +143,7 @@ impl RepeatedSpeed {
         let changed = (turns - first).abs() * mps;
         let relative = tuning.speed_frozen_change * mps;
         let allowed = Scalar::max(relative, tuning.speed_frozen_steps * step_mps) * first;
-        self.is_stuck |= self.readings >= tuning.speed_frozen_readings && changed > allowed;
+        self.is_stuck |= self.readings >= tuning.frozen_readings && changed > allowed;
         self.is_wrong |= self.is_stuck && changed > 2.0 * tuning.speed_step_mps * first;
         self.is_stuck
     }

@@ -4,6 +4,7 @@ use super::latest::TimedValue;
 use crate::context::Context;
 use crate::effect::Acts;
 use crate::model::Model;
+use crate::scalar::Scalar;
 use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
 
@@ -38,7 +39,7 @@ impl Stops {
         if silence >= hold_times.long_stop {
             // It is most likely that the vehicle stood.
             self.was_long = true;
-            self.weighing_until = Some(now + hold_times.weighing);
+            self.weighing_until = Some(now + hold_times.load_stop);
             self.driven = Duration::default();
         } else if self.standing_since.is_none() {
             self.driven = Duration::from_micros(self.driven.micros() + silence.micros());
@@ -52,7 +53,7 @@ impl Stops {
                 self.driven = Duration::default();
             }
             if stood >= hold_times.stop {
-                self.weighing_until = Some(now + hold_times.weighing);
+                self.weighing_until = Some(now + hold_times.load_stop);
             }
             if stood >= hold_times.load_stop {
                 self.was_stop = true;
@@ -64,9 +65,12 @@ impl Stops {
     #[inline(never)] // See Sampler::record().
     pub(super) fn mass(&mut self, context: &Context, now: Instant, value: Option<f32>) {
         let detection = &context.tuning.detection;
-        let masses = detection.mass_low..detection.mass_high;
         let parameter_kg = context.model.vehicle.mass_kg;
-        let Some(mass_kg) = value.filter(|kg| masses.contains(&(kg / parameter_kg))) else {
+        let is_possible = |kg: &f32| {
+            let least_kg = Scalar::min(*kg, parameter_kg);
+            *kg > 0.0 && Scalar::max(*kg, parameter_kg) <= detection.mass_range * least_kg
+        };
+        let Some(mass_kg) = value.filter(is_possible) else {
             return;
         };
         let stands = self

@@ -3,6 +3,7 @@
 use super::latest::{Latest, TimedValue};
 use super::torque_rests::TorqueRests;
 use crate::context::Context;
+use crate::effect::Acts;
 use crate::model::Model;
 use crate::sample::TorqueRest;
 use crate::signal::Signal;
@@ -95,7 +96,7 @@ impl TractionInput {
             return false;
         }
         // The first report is no change.
-        let tolerance = context.tuning.detection.gear_ratio_tolerance;
+        let tolerance = context.tuning.detection.gear_tolerance;
         let is_step = self.driveline_was_known && !driveline.is_nearly(&self.driveline, tolerance);
         self.driveline_was_known = true;
         self.driveline = driveline;
@@ -108,7 +109,7 @@ impl TractionInput {
 
     /// Returns whether the force is known.
     pub(super) fn is_known(&self, context: &Context, now: Instant) -> bool {
-        let timeout = context.tuning.hold_times.torque_timeout;
+        let timeout = context.tuning.hold_times.reading_timeout;
         match (&context.model.vehicle.traction, self.driveline) {
             (Traction::Force, _) => self.force.within(now, timeout).is_some(),
             (Traction::Powertrain(_), Driveline::Open) => true,
@@ -184,7 +185,7 @@ impl TractionInput {
         if self.shaft == Shaft::None {
             return None;
         }
-        let timeout = context.tuning.hold_times.torque_timeout;
+        let timeout = context.tuning.hold_times.reading_timeout;
         self.shaft_torque.within(now, timeout)
     }
 
@@ -196,7 +197,8 @@ impl TractionInput {
         let Some(net_percent) = self.net_torque_percent(context, now) else {
             return false;
         };
-        let per_percent_n = model.traction_n(self.driveline, 1.0);
+        let scale = model.effects.factor(Acts::Traction);
+        let per_percent_n = scale * model.traction_n(self.driveline, 1.0);
         self.rest.torque(net_percent, per_percent_n, now);
         self.integral
             .reading(model.traction_n(self.driveline, net_percent), now);
@@ -207,7 +209,7 @@ impl TractionInput {
     /// 514. SPN 513 is indicated torque, which includes friction.
     #[inline(never)] // Called from several places.
     pub(super) fn net_torque_percent(&self, context: &Context, now: Instant) -> Option<f32> {
-        let timeout = context.tuning.hold_times.torque_timeout;
+        let timeout = context.tuning.hold_times.reading_timeout;
         if let Some(shaft) = self.shaft_percent(context, now) {
             return Some(shaft);
         }

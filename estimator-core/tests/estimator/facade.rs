@@ -152,7 +152,7 @@ fn braking_makes_unsure_and_invalid_until_its_hold_is_over() {
     };
     assert!(at(29.5).end.condition.is_valid());
     assert!(at(31.0).end.condition.braking);
-    assert!(at(32.6).end.condition.braking, "hold time");
+    assert!(at(32.3).end.condition.braking, "hold time");
     assert!(at(34.0).end.condition.is_valid());
     assert!(
         at(31.9).live_grade_percent.sigma > 1.1 * at(29.5).live_grade_percent.sigma,

@@ -3,6 +3,7 @@
 mod accelerometers;
 mod ahead;
 mod broadcast;
+mod delays;
 mod engine_configuration;
 mod facade;
 mod input_faults;

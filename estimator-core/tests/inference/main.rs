@@ -5,4 +5,5 @@ mod cells;
 mod dense;
 mod drives;
 mod likelihood;
+mod measurements;
 mod window;

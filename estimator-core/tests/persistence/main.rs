@@ -1,5 +1,6 @@
 //! The persistent state, and serialization.
 
+mod kept_delays;
 mod next_drive;
 mod packed_vehicle;
 #[cfg(feature = "serde")]

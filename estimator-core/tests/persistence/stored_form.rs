@@ -10,7 +10,7 @@ use test_kit::hilly_drive::{KEPT, USUAL, drive};
 use test_kit::truck;
 
 /// Lengths and offsets in the blob, from the table in the module's documentation.
-const CHECKED: usize = 80;
+const CHECKED: usize = 96;
 const MASS: usize = 12;
 const BIAS: usize = 16;
 const BIAS_VARIANCE: usize = 20;
@@ -21,6 +21,7 @@ const TYRE_SLIP_VARIANCE: usize = 40;
 const RETARDER_VARIANCE: usize = 48;
 const LEVELS: usize = 52;
 const HIDES_BRAKES: usize = 76;
+const DELAYS: usize = 80;
 
 fn blob() -> [u8; PersistentState::LEN] {
     KEPT.to_bytes()
@@ -74,7 +75,7 @@ fn a_blob_is_as_documented_and_reads_back() {
     let bytes = blob();
     let number = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     let slow = KEPT.slow_states();
-    assert_eq!(bytes[..8], *b"rgk\x1a\x03\0\0\0");
+    assert_eq!(bytes[..8], *b"rgk\x1a\x04\0\0\0");
     assert_eq!(number(MASS), 39_000.0);
     assert_eq!(number(BIAS), slow.bias.mean);
     assert_eq!(number(BIAS_VARIANCE), slow.bias.variance);
@@ -85,7 +86,9 @@ fn a_blob_is_as_documented_and_reads_back() {
     assert_eq!(number(RETARDER_VARIANCE), slow.retarder.variance);
     assert_eq!(number(LEVELS), KEPT.levels().force);
     assert_eq!(number(LEVELS + 20), KEPT.levels().speed);
-    assert_eq!(bytes[HIDES_BRAKES..CHECKED], [0; 4]);
+    assert_eq!(bytes[HIDES_BRAKES..DELAYS], [0; 4]);
+    // No delay was found.
+    assert_eq!(bytes[DELAYS..CHECKED], [0; 16]);
     assert_eq!(bytes[CHECKED..], crc32(&bytes[..CHECKED]).to_le_bytes());
     assert_eq!(PersistentState::LEN, CHECKED + 4);
     assert_eq!(PersistentState::from_bytes(&bytes), Ok(*KEPT));
@@ -133,22 +136,22 @@ fn each_wrong_length_is_refused() {
         Err(PersistentStateError::Magic)
     );
     // A later layout, of another length and with a right checksum.
-    let later = &edited(4, 4_u32.to_le_bytes())[..];
+    let later = &edited(4, 5_u32.to_le_bytes())[..];
     assert_eq!(
         PersistentState::from_bytes(later),
-        Err(PersistentStateError::Version(4))
+        Err(PersistentStateError::Version(5))
     );
     let later = [later, &[0; 8]].concat();
     assert_eq!(
         PersistentState::from_bytes(&later),
-        Err(PersistentStateError::Version(4))
+        Err(PersistentStateError::Version(5))
     );
 }
 
 #[test]
 fn numbers_that_no_drive_leaves_are_refused_under_a_right_checksum() {
     let numbers = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30];
-    for at in (MASS..HIDES_BRAKES).step_by(4) {
+    for at in (MASS..HIDES_BRAKES).chain(DELAYS..CHECKED).step_by(4) {
         for number in numbers {
             let refusal = PersistentState::from_bytes(&edited(at, number.to_le_bytes()));
             assert_eq!(
@@ -194,6 +197,18 @@ fn numbers_that_no_drive_leaves_are_refused_under_a_right_checksum() {
             "{number} at {at}"
         );
     }
+    // A delay without a sigma, or one that no receiver has.
+    let delayed = |seconds: f32, sigma_s: f32| {
+        [
+            (DELAYS, seconds.to_le_bytes()),
+            (DELAYS + 4, sigma_s.to_le_bytes()),
+        ]
+    };
+    for (seconds, sigma_s) in [(0.6, 0.0), (0.6, -0.1), (60.0, 0.01), (-5.0, 0.01)] {
+        let refusal =
+            PersistentState::from_bytes(&edited_words(&blob(), &delayed(seconds, sigma_s)));
+        assert_eq!(refusal, Err(PersistentStateError::Value), "{seconds} s");
+    }
     for (at, number) in [(SCALE, 0.1_f32), (COVARIANCE, 0.9 * most), (BIAS, -1.0)] {
         assert!(PersistentState::from_bytes(&edited(at, number.to_le_bytes())).is_ok());
     }
@@ -208,11 +223,13 @@ proptest! {
 
     #[test]
     fn any_content_under_a_right_checksum_is_refused_or_sound(
-        numbers in prop::collection::vec((3..19_usize, -9.9..9.9_f32, -12..5), 1..4),
+        numbers in prop::collection::vec((3..23_usize, -9.9..9.9_f32, -12..5), 1..4),
         metres in 100..600_u32,
     ) {
         let mut bytes = blob();
         for (index, mantissa, exponent) in numbers {
+            // All but the flag, which is no number.
+            let index = if 4 * index < HIDES_BRAKES { index } else { index + 1 };
             let (at, number) = (4 * index, mantissa * 10_f32.powi(exponent));
             bytes[at..at + 4].copy_from_slice(&number.to_le_bytes());
         }
@@ -329,8 +346,8 @@ fn fingerprint_of(vehicle: &VehicleParameters) -> u32 {
 #[test]
 fn refusals_say_what_is_wrong() {
     for (refusal, words) in [
-        (PersistentStateError::Length(3), "3 bytes: expected 84"),
-        (PersistentStateError::Version(7), "version 7: expected 3"),
+        (PersistentStateError::Length(3), "3 bytes: expected 100"),
+        (PersistentStateError::Version(7), "version 7: expected 4"),
         (PersistentStateError::Checksum, "damaged"),
         (PersistentStateError::Vehicle, "another vehicle"),
     ] {

@@ -119,12 +119,13 @@ fn a_course_needs_speed() {
     let mut drive = ReadingsDrive::of(by_force());
     let readings = |mps: f32| [FORCE, (Signal::Course, 45.0), at(mps)];
     drive.on(4.0, &readings(2.5));
-    let slow = last(&drive.on(8.0, &readings(2.5)));
-    assert_eq!(slow.course_deg.get(), Some(45.0));
-    assert_eq!(slow.yaw_rate_radps.get(), None);
+    let fast = last(&drive.on(8.0, &readings(2.5)));
+    assert_eq!(fast.course_deg.get(), Some(45.0));
+    assert_eq!(fast.yaw_rate_radps.get(), Some(0.0));
     drive.on(4.0, &readings(1.5));
-    let slower = last(&drive.on(8.0, &readings(1.5)));
-    assert_eq!(slower.course_deg.get(), None);
+    let slow = last(&drive.on(8.0, &readings(1.5)));
+    assert_eq!(slow.course_deg.get(), None);
+    assert_eq!(slow.yaw_rate_radps.get(), None);
 }
 
 #[test]

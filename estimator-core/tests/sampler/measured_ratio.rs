@@ -95,7 +95,7 @@ fn a_ratio_that_changes_all_the_time_is_that_of_a_slipping_clutch() {
     let mut drive = driven();
     for second in 0..20_u8 {
         // 8 % a second: never the same for two.
-        let rpm = DIRECT_RPM * (1.4 + 0.08 * f32::from(second));
+        let rpm = DIRECT_RPM * 1.4 * 1.08_f32.powi(second.into());
         let slipping = drive.on(1.0, &in_gear(11.0, rpm));
         let first = usize::from(second == 0);
         for sample in slipping.iter().skip(first) {

@@ -49,17 +49,17 @@ fn is_between(found: f64, low: f64, high: f64) {
 }
 
 #[test]
-fn each_brake_has_its_hold_time() {
-    for (signal, on, off, hold) in [
-        (Signal::BrakeSwitch, 1.0, 0.0, 1.0),
-        (Signal::BrakeLight, 1.0, 0.0, 1.0),
-        (Signal::FoundationBrake, 1.0, 0.0, 1.0),
-        (Signal::BrakePedal, 12.0, 0.0, 1.0),
-        (Signal::BrakePressure, 80_000.0, 0.0, 1.0),
-        (Signal::ParkingBrake, 1.0, 0.0, 1.0),
-        (Signal::RetarderTorque, -20.0, 0.0, 2.0),
-        (Signal::RetarderForce, 5_000.0, 0.0, 2.0),
-        (Signal::RetarderForce, -5_000.0, 200.0, 2.0),
+fn each_brake_has_a_hold_time() {
+    for (signal, on, off) in [
+        (Signal::BrakeSwitch, 1.0, 0.0),
+        (Signal::BrakeLight, 1.0, 0.0),
+        (Signal::FoundationBrake, 1.0, 0.0),
+        (Signal::BrakePedal, 12.0, 0.0),
+        (Signal::BrakePressure, 80_000.0, 0.0),
+        (Signal::ParkingBrake, 1.0, 0.0),
+        (Signal::RetarderTorque, -20.0, 0.0),
+        (Signal::RetarderForce, 5_000.0, 0.0),
+        (Signal::RetarderForce, -5_000.0, 200.0),
     ] {
         let mut drive = ReadingsDrive::of(truck());
         let before = drive.on(5.0, &cruising(&[(signal, off)]));
@@ -69,7 +69,7 @@ fn each_brake_has_its_hold_time() {
         assert!(valid(&during) <= 1, "{signal:?}");
         assert!(during.last().unwrap().end.condition.braking);
         let after = drive.on(6.0, &cruising(&[(signal, off)]));
-        is_between(seconds_invalid(&after), hold - 0.25, hold + 0.25);
+        is_between(seconds_invalid(&after), 0.25, 0.75);
     }
 }
 
@@ -145,7 +145,7 @@ fn a_brake_whose_sender_falls_silent_counts_for_seconds_not_for_ever() {
         );
         let after = drive.on_values(15.0, &readings);
         // 5 s until the last reading is stale, then the hold time.
-        is_between(seconds_invalid(&after), 5.6, 6.2);
+        is_between(seconds_invalid(&after), 5.1, 5.7);
     }
 }
 
@@ -159,7 +159,7 @@ fn a_gear_shift_holds_and_passes_no_torque_where_the_driveline_is_not_reported()
     assert!(during.last().unwrap().end.condition.shifting);
     assert_eq!(during.last().unwrap().forces.traction_n, 0.0);
     let after = drive.on(5.0, &flag(0.0));
-    is_between(seconds_invalid(&after), 0.75, 1.25);
+    is_between(seconds_invalid(&after), 0.25, 0.75);
     assert!(after.last().unwrap().forces.traction_n > 4_000.0);
 }
 
@@ -175,10 +175,10 @@ fn an_open_driveline_coasts_without_traction_and_the_model_holds() {
         (Signal::EngineTorque, 7.0),
     ];
     let open = drive.on(10.0, &cruising(&idle));
-    is_between(seconds_invalid(&open), 0.75, 1.25);
+    is_between(seconds_invalid(&open), 0.25, 0.75);
     assert_eq!(open.last().unwrap().forces.traction_n, 0.0);
     let closed = drive.on(5.0, &cruising(&[(Signal::DrivelineEngaged, 1.0)]));
-    is_between(seconds_invalid(&closed), 0.75, 1.25);
+    is_between(seconds_invalid(&closed), 0.25, 0.75);
     assert!(closed.last().unwrap().forces.traction_n > 4_000.0);
 }
 
@@ -226,7 +226,7 @@ fn a_slipping_clutch_is_not_trusted() {
     let slipping = drive.on(3.0, &cruising(&[engaged, (Signal::ClutchSlip, 30.0)]));
     assert!(valid(&slipping) <= 1);
     let closed = drive.on(5.0, &cruising(&[engaged, (Signal::ClutchSlip, 2.0)]));
-    is_between(seconds_invalid(&closed), 0.75, 1.25);
+    is_between(seconds_invalid(&closed), 0.25, 0.75);
 }
 
 #[test]

@@ -300,7 +300,7 @@ fn slip_is_no_latency() {
 fn a_latency_that_is_the_assumed_one_again_is_no_longer_carried() {
     let mut drive = ReadingsDrive::of(by_force());
     // A memory of five minutes instead of two hours.
-    drive.context.tuning.detection.lag_slots = 1_200;
+    drive.context.tuning.detection.delay_memory_s = 300.0;
     let late_s = |now_s: f32| if now_s < 900.0 { 0.4 } else { 0.15 };
     let mean_m = finely_driven_on(&mut drive, MOTORWAY, late_s, 2_700, 0.0);
     assert!(mean_m.abs() < 0.4, "{mean_m} m");

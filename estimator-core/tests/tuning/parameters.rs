@@ -218,7 +218,7 @@ fn a_fraction_is_refused_where_only_whole_numbers_are_possible() {
         }
         whole += 1;
     }
-    assert!(whole > 20 && whole < Tuning::PARAMETERS.len(), "{whole}");
+    assert!(whole > 10 && whole < Tuning::PARAMETERS.len(), "{whole}");
 }
 
 #[test]

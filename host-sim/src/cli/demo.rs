@@ -1,6 +1,6 @@
 //! `roadgrade demo`: the main job from end to end, on a built-in scenario.
 
-use super::estimate::KnownRoads;
+use super::estimate::Additions;
 use super::tuning_option::TuningOption;
 use super::{estimate, outputs};
 use crate::error::{Error, Result, on_one_line};
@@ -180,8 +180,8 @@ fn drive(
     let log = file("log");
     let vehicle = VehicleFile::read(&file("vehicle.toml"))?;
     let options = ReadOptions::default();
-    let roads = KnownRoads::default();
-    let estimated = estimate::drive::<f32>(&vehicle, tuning, None, roads, &log, &options)?;
+    let none = Additions::default();
+    let estimated = estimate::drive::<f32>(&vehicle, tuning, None, none, &log, &options)?;
     check_inputs(&log, &vehicle, &estimated, &options)?;
     let rows = estimated.in_memory()?.rows;
     run::write(&file("csv"), &rows)?;

@@ -42,7 +42,9 @@ as Hive partitions.
 
 --memory FILE is the road memory of the vehicle, as an ECU would keep it in flash: every road that it has driven, with grade, sigma and place. On a road that it knows, the live grade is combined with what it knows (and with --map); map_grade_percent is then the grade of both. Smoothed and lagged grades are not changed. After the drive FILE knows this one too. If FILE does not exist, it becomes an empty memory of --memory-bytes. If it is full, the road that is driven least and longest ago makes room. `export FILE --out RUN.csv` writes it as a run that `fuse` reads.
 
-A drive may have any length. Memory use is constant. A temporary file (in TMPDIR) takes 140 kB per kilometre.")]
+--innovations FILE.csv is what speed, altitude and slope said beside what the filter predicted of them, one row each, with the variances that the whole run implies. test_ratio is the squared innovation over its variance, one on average; weight is low where later measurements contradict. The columns are in docs/formats.md.
+
+A drive may have any length. Memory use is constant. A temporary file (in TMPDIR) takes 140 kB per kilometre, 190 kB with --innovations.")]
 pub struct Args {
     /// Vehicle parameters.
     #[arg(long, value_name = "V.toml")]
@@ -59,6 +61,10 @@ pub struct Args {
     /// Page that draws the run: plan, profile, sigma.
     #[arg(long, value_name = "FILE.html")]
     page: Option<PathBuf>,
+    /// File for the innovations of the smoothing pass (CSV), for tuning and review: one row for each
+    /// measurement.
+    #[arg(long, value_name = "FILE.csv")]
+    innovations: Option<PathBuf>,
     /// Packed map, as `pack` writes it. The live grade is combined with its grade. Smoothed and lagged
     /// grades are not.
     #[arg(long, value_name = "MAP.grade")]
@@ -93,6 +99,7 @@ impl Args {
             self.kept.as_deref(),
             self.memory.path(),
             self.page.as_deref(),
+            self.innovations.as_deref(),
         ];
         outputs::check(inputs, out.into_iter().chain(others.into_iter().flatten()))
     }
@@ -105,6 +112,9 @@ impl Args {
         if let Some(page) = &self.page {
             outputs::check_file(page, &["html", "htm"])?;
         }
+        if let Some(innovations) = &self.innovations {
+            outputs::check_file(innovations, &["csv"])?;
+        }
         let kept = [self.kept.as_deref(), self.memory.path()];
         kept.into_iter()
             .flatten()
@@ -112,12 +122,25 @@ impl Args {
     }
 
     /// Opens what is known of the roads.
-    fn roads(&self) -> Result<KnownRoads> {
+    fn additions(&self) -> Result<Additions> {
         let map = self.map.as_deref().map(open_packed_map).transpose()?;
-        Ok(KnownRoads {
+        Ok(Additions {
             map,
             memory: self.memory.open()?,
+            keeps_innovations: self.innovations.is_some(),
         })
+    }
+
+    /// Writes road memory, page and innovations to files that appear when they are committed.
+    fn stage_others(&self, run: &mut LongRun) -> Result<Vec<Staged>> {
+        let mut staged = Vec::from_iter(self.memory.stage(run)?);
+        if let Some(path) = &self.page {
+            staged.push(run_page::stage(path, &self.log, &mut run.rows)?);
+        }
+        if let Some((path, innovations)) = self.innovations.as_ref().zip(run.innovations.as_mut()) {
+            staged.push(innovations.stage(path)?);
+        }
+        Ok(staged)
     }
 
     fn run_path(&self, run: &mut LongRun, origin: &Origin) -> Result<PathBuf> {
@@ -151,11 +174,11 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     let last = last.as_ref();
-    let roads = args.roads()?;
+    let additions = args.additions()?;
     let mut run = if args.double {
-        drive::<f64>(&vehicle, &tuning, last, roads, &args.log, &options)?
+        drive::<f64>(&vehicle, &tuning, last, additions, &args.log, &options)?
     } else {
-        drive::<f32>(&vehicle, &tuning, last, roads, &args.log, &options)?
+        drive::<f32>(&vehicle, &tuning, last, additions, &args.log, &options)?
     };
     let seconds = started.elapsed().as_secs_f64();
     log_notes::note_report(&args.log, &run.log);
@@ -169,13 +192,9 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let out = args.run_path(&mut run, &origin)?;
     args.check_outputs(Some(&out))?;
-    let page = args.page.as_deref();
-    let page = page.map(|path| run_page::stage(path, &args.log, &mut run.rows));
-    let page = page.transpose()?;
-    let memory = args.memory.stage(&run)?;
+    let others = args.stage_others(&mut run)?;
     conclusion::write(&mut run, Some(&out), &origin, file)?;
-    memory.map_or(Ok(()), Staged::commit)?;
-    page.map_or(Ok(()), Staged::commit)?;
+    others.into_iter().try_for_each(Staged::commit)?;
 
     print_summary(args, &mut run, seconds)
 }
@@ -199,11 +218,12 @@ fn print_summary(args: &Args, run: &mut LongRun, seconds: f64) -> Result<()> {
     Ok(())
 }
 
-/// What is known of the roads before a drive.
+/// What a drive has besides vehicle and log: what is known of the roads, and what is kept of it.
 #[derive(Debug, Default)]
-pub(super) struct KnownRoads {
+pub(super) struct Additions {
     map: Option<PackedMap<'static>>,
     memory: Option<RoadMemoryFile>,
+    keeps_innovations: bool,
 }
 
 /// Estimates one log and shows its progress.
@@ -211,17 +231,20 @@ pub(super) fn drive<S: Scalar>(
     vehicle: &VehicleFile,
     tuning: &Tuning,
     last: Option<&PersistentState>,
-    roads: KnownRoads,
+    additions: Additions,
     log: &Path,
     options: &ReadOptions,
 ) -> Result<LongRun> {
     let mut recorder = Recorder::<S>::resume(&vehicle.model, tuning, last)
         .map_err(|e| Error::content(log, e.to_string()))?;
-    if let Some(map) = roads.map {
+    if let Some(map) = additions.map {
         recorder.follow(map);
     }
-    if let Some(memory) = roads.memory {
+    if let Some(memory) = additions.memory {
         recorder.remember(memory);
+    }
+    if additions.keeps_innovations {
+        recorder.keep_innovations();
     }
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let progress = |read| bar.set_position(read);

@@ -82,8 +82,16 @@ fn shown(request: &Request) -> Result<Identified> {
     for problem in &found.left_out {
         alert(format_args!("warning: left out: {problem}"));
     }
+    tell_delays(&found);
     tell_unknown(&found);
     Ok(found)
+}
+
+/// Says what is late.
+pub(super) fn tell_delays(found: &Identified) {
+    for delay in &found.delays {
+        note(delay.sentence());
+    }
 }
 
 /// Says what cannot be known from the logs.

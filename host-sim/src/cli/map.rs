@@ -101,6 +101,7 @@ fn check_outputs(args: &Args, drives: &[Drive]) -> Result<()> {
 /// Says what was assumed, and what was wrong with the input.
 fn tell(made: &MadeMap) {
     if let Some(found) = made.identified() {
+        identify::tell_delays(found);
         identify::tell_unknown(found);
         note(format_args!(
             "the vehicle is identified as one like {}; vehicle.toml says what was read, measured \

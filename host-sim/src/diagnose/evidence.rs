@@ -14,7 +14,7 @@
 
 use super::drive::LoggedDrive;
 use crate::smooth::Piece;
-use estimator_core::filter::{Record, STATES, VehicleCells};
+use estimator_core::filter::{Record, STATES, Update, VehicleCells};
 use estimator_core::vehicle::GRAVITY;
 use estimator_core::{CELL_LENGTH_M, Context, Counters, Model, Tuning};
 use nalgebra::{DMatrix, DVector};
@@ -69,10 +69,8 @@ pub fn judging_tuning(estimator: &Tuning, wind_noise_mps: f32) -> Tuning {
     let mut tuning = estimator.clone();
     let numbers = &mut tuning.estimation;
     numbers.wind_noise_mps = wind_noise_mps;
-    (numbers.wind_level_low, numbers.wind_level_high) = (1.0, 1.0);
     numbers.bias_force_n = 20.0;
-    numbers.bias_rolling = 0.01;
-    numbers.bias_drag = 0.01;
+    numbers.bias_resistance = 0.01;
     numbers.bias_length_m = 20_000.0;
     numbers.traction_noise = 0.0;
     numbers.prior_cold_tyre = 0.0;
@@ -122,13 +120,13 @@ pub fn segments(
     let Some(mut inferred) = piece.infer_quickly(&tuning.estimation, ROUNDS) else {
         return Vec::new();
     };
-    inferred.forward(|index, cell, dynamics, record| {
+    inferred.forward(|index, cell, terms, record| {
         let weight_n = samples[index].forces.mass_kg * GRAVITY;
         let per_newton = f64::from(CELL_LENGTH_M / weight_n);
         for (j, (error, column)) in errors.iter_mut().zip(columns).enumerate() {
             let missing_m = f64::from(column[before_speed + index]) * per_newton;
             response[j] = record
-                .carry_error(cell, dynamics, error, missing_m)
+                .carry_error(cell, &terms.dynamics, error, missing_m)
                 .unwrap_or(0.0);
         }
         segment.take(record, &response);
@@ -158,7 +156,7 @@ impl Evidence {
 
 impl SegmentSums {
     fn take(&mut self, record: &Record<f64>, response: &DVector<f64>) {
-        let Some(applied) = record.altitude.as_ref() else {
+        let Some(applied) = record.altitude.as_ref().and_then(Update::used) else {
             return;
         };
         let per_variance = 1.0 / applied.innovation_variance;

@@ -214,8 +214,7 @@ impl OracleFile {
         numbers.fast_gnss_noise_m = least::ALTITUDE_M as f32;
         numbers.force_noise_n = at_least(noise.force_white_sigma_n, least::FORCE_N);
         numbers.bias_force_n = least::FORCE_N as f32;
-        numbers.bias_rolling = 0.0;
-        numbers.bias_drag = 0.0;
+        numbers.bias_resistance = 0.0;
         if let Some(tyres) = noise.cold_tyres {
             numbers.bias_length_m = (run_mps * tyres.time_s) as f32;
         }
@@ -234,17 +233,9 @@ impl OracleFile {
         numbers.bias_shock_most_percent = 0.0;
         numbers.inertia_noise = 0.0;
         for level in [
-            &mut numbers.wind_level_low,
-            &mut numbers.wind_level_high,
             &mut numbers.slow_gnss_level_low,
-            &mut numbers.gnss_level_low,
-            &mut numbers.gnss_level_high,
-            &mut numbers.altitude_level_low,
-            &mut numbers.altitude_level_high,
-            &mut numbers.force_level_low,
-            &mut numbers.force_level_high,
-            &mut numbers.speed_level_low,
-            &mut numbers.speed_level_high,
+            &mut numbers.level_low,
+            &mut numbers.level_high,
         ] {
             *level = 1.0;
         }

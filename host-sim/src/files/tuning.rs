@@ -7,7 +7,7 @@
 //! [measurement_noise]
 //! speed_sigma_mps = 0.02
 //! [hold_times]
-//! shift_hold_ms = 1500
+//! hold_ms = 1500
 //! ```
 
 use super::kind::{self, Kind};

@@ -48,6 +48,7 @@ pub fn identified(found: &Findings<'_>) -> Identified {
         class: found.class.to_owned(),
         unknown: unknown(found),
         values,
+        delays: Vec::new(),
         left_out: Vec::new(),
     }
 }

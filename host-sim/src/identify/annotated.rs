@@ -19,6 +19,9 @@ pub fn text(found: &Identified) -> String {
     for unknown in &found.unknown {
         text += &format!("# Not known: {}. {}\n", unknown.what, unknown.advice);
     }
+    for delay in &found.delays {
+        text += &format!("# {}\n", delay.sentence());
+    }
     let mut table = String::new();
     let mut elements: BTreeMap<String, usize> = BTreeMap::new();
     for line in found.vehicle.to_toml().lines() {
@@ -57,7 +60,7 @@ pub fn comment(value: &IdentifiedValue) -> String {
 }
 
 /// Returns a number with two significant digits, without an exponent.
-fn two_digits(value: f64) -> String {
+pub(super) fn two_digits(value: f64) -> String {
     if value <= 0.0 || !value.is_finite() {
         return "0".to_owned();
     }

@@ -1,5 +1,6 @@
 //! What an identification finds.
 
+use super::delays::FoundDelay;
 use crate::files::vehicle::VehicleFile;
 use serde::{Deserialize, Serialize};
 
@@ -59,6 +60,8 @@ pub struct Identified {
     pub class: String,
     /// Every value of the vehicle file.
     pub values: Vec<IdentifiedValue>,
+    /// How late signals are, where the drives show it.
+    pub delays: Vec<FoundDelay>,
     /// What remains unknown.
     pub unknown: Vec<Unknown>,
     /// Why logs were left out, a line each.

@@ -4,6 +4,7 @@
 //!   of the gearbox from engine speed over wheel speed;
 //! * [`class`]: what is usual in classes of vehicles;
 //! * [`fit`]: resistance, drag, traction and mass from the innovations of the filter;
+//! * [`delays`]: how late receiver and force are;
 //! * [`procedure`]: all steps; [`draft`]: the vehicle while it is identified; [`account`]: each
 //!   value with its origin, and what remains unknown; [`identified`]: the result;
 //! * [`annotated`]: the vehicle file with a comment at each value.
@@ -11,6 +12,7 @@
 pub mod account;
 pub mod annotated;
 pub mod class;
+pub mod delays;
 pub mod draft;
 pub mod fit;
 pub mod gears;

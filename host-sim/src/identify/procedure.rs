@@ -2,6 +2,7 @@
 
 use super::account::{self, Findings};
 use super::class::{self, Class, Usual};
+use super::delays;
 use super::draft::{Draft, Parameter};
 use super::fit::{Amounts, FittedDrive, Priors, fit};
 use super::gears::{self, FoundGear};
@@ -12,7 +13,7 @@ use crate::error::{Error, Result, on_one_line};
 use crate::files::vehicle::VehicleFile;
 use crate::numeric::statistics;
 use crate::source::read_options::ReadOptions;
-use estimator_core::{Model, Signal, Tuning};
+use estimator_core::{Delays, Model, Signal, Tuning};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -131,6 +132,13 @@ pub fn identify(request: &Request, progress: impl Fn(&str)) -> Result<Identified
     search.measure_radius();
     let mut found = account::identified(&search.findings());
     found.unknown.extend(other_vehicle(&logs, &observed));
+    let delays: Vec<Delays> = search
+        .drives
+        .iter()
+        .map(|of| of.logged.run.delays)
+        .collect();
+    found.delays = delays::found(&delays);
+    found.unknown.extend(delays::unknown(&delays));
     found.left_out = problems.iter().map(ToString::to_string).collect();
     Ok(found)
 }

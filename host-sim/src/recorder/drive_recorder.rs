@@ -1,5 +1,6 @@
 //! Runs the estimator over one drive and stores its output.
 
+use super::innovations::Innovations;
 use super::long_run::{LongRun, Rows, SmoothedRun, no_room};
 use super::placed_samples::PlacedSamples;
 use super::plausibility::Plausibility;
@@ -10,7 +11,7 @@ use crate::files::flash_image::RoadMemoryFile;
 use crate::files::run::RunRow;
 use crate::files::spool::Spool;
 use crate::files::utc::utc_of;
-use crate::smooth::{Known, Samples, SmoothedCell, smooth_pieces};
+use crate::smooth::{Known, MeasurementSink, Samples, SmoothedCell, smooth_pieces};
 use crate::source::can_frame::TimedFrame;
 use crate::source::input::LogInput;
 use crate::source::log_report::LogReport;
@@ -44,6 +45,8 @@ pub struct Recorder<S> {
     samples: PlacedSamples,
     grades: Spool<OnlineGrades, GRADES_SLOT>,
     roads: Roads,
+    /// Measurements beside what the filter predicted, if they are wanted.
+    innovations: Option<Innovations>,
     plausibility: Plausibility,
     roadway_grade: RoadwayGrade,
     /// The cells that the last input finished.
@@ -116,6 +119,11 @@ impl<S: Scalar> Recorder<S> {
     /// Learns roads from now on, and combines the live grade with what the memory knows.
     pub fn remember(&mut self, memory: RoadMemoryFile) {
         self.roads.memory = Some(memory);
+    }
+
+    /// Keeps the measurements of the drive beside what the filter predicted.
+    pub fn keep_innovations(&mut self) {
+        self.innovations = Some(Innovations::default());
     }
 
     /// Returns the place on the map and the grade with it; `None` without a map.
@@ -303,17 +311,26 @@ impl<S: Scalar> Recorder<S> {
             slow_states: estimator.known(),
             hides_brakes: estimator.hides_brakes(),
         };
-        let disagreements = smooth_pieces(estimator.context(), known, samples, put)?;
+        let mut innovations = self.innovations.take();
+        let mut sink = innovations.as_mut().map(|kept| kept.sink(start));
+        let measured = sink
+            .as_mut()
+            .map(|sink| sink as &mut MeasurementSink<'_, _>);
+        let context = estimator.context();
+        let disagreements = smooth_pieces(context, known, samples, measured, put)?;
+        drop(sink);
         Ok(LongRun {
             rows,
             model: self.estimator.model().clone(),
             log: LogReport::default(),
             counters: *self.estimator.counters(),
+            delays: self.estimator.delays(),
             persistent_state: self.estimator.persistent_state(),
             disagreements,
             start_utc: self.start.and_then(utc_of),
             map: self.roads.map.as_ref().map(|map| *map.counters()),
             memory: None,
+            innovations,
             roadway_grade: self.roadway_grade.comparison(),
             warnings: self.plausibility.judge(&self.estimator.model().vehicle),
         })
@@ -329,6 +346,7 @@ impl<S> From<Estimator<S>> for Recorder<S> {
             samples: PlacedSamples::default(),
             grades: Spool::default(),
             roads: Roads::default(),
+            innovations: None,
             plausibility: Plausibility::default(),
             roadway_grade: RoadwayGrade::default(),
             new_cells: Vec::new(),

@@ -1,5 +1,6 @@
 //! The result of a drive.
 
+use super::innovations::Innovations;
 use super::plausibility::Warning;
 use super::roads::LearnedRoads;
 use super::roadway_grade::RoadwayComparison;
@@ -9,7 +10,7 @@ use crate::files::spool::{Spool, blocks};
 use crate::smooth::Disagreements;
 use crate::source::log_report::LogReport;
 use estimator_core::roadmap::MapCounters;
-use estimator_core::{Counters, Model, PersistentState};
+use estimator_core::{Counters, Delays, Model, PersistentState};
 use std::io;
 
 /// A smoothed drive, in memory.
@@ -19,6 +20,8 @@ pub struct SmoothedRun {
     pub rows: Vec<RunRow>,
     /// Counters of the core.
     pub counters: Counters,
+    /// How late receiver and force were found to be.
+    pub delays: Delays,
     /// State for the next drive; `None` if this one was too short.
     pub persistent_state: Option<PersistentState>,
     /// Where signals disagree.
@@ -44,8 +47,12 @@ pub struct LongRun {
     pub map: Option<MapCounters>,
     /// The road memory after the drive; `None` without one.
     pub memory: Option<LearnedRoads>,
+    /// Its measurements beside what the filter predicted; `None` unless they are wanted.
+    pub innovations: Option<Innovations>,
     /// The grade of another device against ours; `None` without one.
     pub roadway_grade: Option<RoadwayComparison>,
+    /// How late receiver and force were found to be.
+    pub delays: Delays,
     /// State for the next drive; `None` if this one was too short.
     pub persistent_state: Option<PersistentState>,
     /// Where signals disagree.
@@ -70,6 +77,7 @@ impl LongRun {
         Ok(SmoothedRun {
             rows,
             counters: self.counters,
+            delays: self.delays,
             persistent_state: self.persistent_state,
             disagreements: self.disagreements,
             warnings: self.warnings,

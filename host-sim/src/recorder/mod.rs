@@ -6,6 +6,7 @@
 mod drive_recorder;
 mod estimate_log;
 mod horizon_log;
+mod innovations;
 pub mod latencies;
 mod long_run;
 mod missing;
@@ -20,6 +21,7 @@ pub mod verdict;
 pub use drive_recorder::Recorder;
 pub use estimate_log::{estimate_log, estimate_logs, record_log, record_logs};
 pub use horizon_log::{HorizonRow, horizons_of_log};
+pub use innovations::{InnovationRow, Innovations, Measured};
 pub use long_run::{LongRun, Rows, SmoothedRun};
 pub use missing::{check_inputs, missing};
 pub use plausibility::Warning;

@@ -1,10 +1,11 @@
 //! The variances of a stretch of a run, inferred from all of it.
 
-use estimator_core::filter::{Adjoint, CellInput, Dynamics, Record, State};
+use estimator_core::filter::{Adjoint, CellInput, Record, State};
 use estimator_core::inference::doubt::DoubtFinder;
 use estimator_core::inference::round::{Memory, Pass};
 use estimator_core::inference::{
-    CellModel, CellVariances, HiddenBrakes, Levels, Round, SEGMENT_CELLS, SegmentVariances, Stretch,
+    CellModel, CellTerms, CellVariances, HiddenBrakes, Levels, Round, SEGMENT_CELLS,
+    SegmentVariances, Stretch,
 };
 use estimator_core::tuning::Numbers;
 
@@ -101,11 +102,11 @@ impl<'a> Inferred<'a> {
         self.round.run(&self.start, &mut stretch, &mut memory, take)
     }
 
-    /// Goes over the stretch. `take` gets each cell's index, the cell, how the states moved, and the
-    /// record of the step.
+    /// Goes over the stretch. `take` gets each cell's index, the cell, its terms, and the record of the
+    /// step.
     pub fn forward(
         &mut self,
-        mut take: impl FnMut(usize, &CellInput, &Dynamics<f64>, &Record<f64>),
+        mut take: impl FnMut(usize, &CellInput, &CellTerms<f64>, &Record<f64>),
     ) {
         let stretch = Stretch {
             cells: self.cells,
@@ -116,7 +117,7 @@ impl<'a> Inferred<'a> {
         for index in 0..self.cells.len() {
             if let Some((cell, terms)) = self.round.terms(&stretch, index) {
                 self.round.step(&mut state, cell, &terms, None, &mut record);
-                take(index, cell, &terms.dynamics, &record);
+                take(index, cell, &terms, &record);
             }
         }
     }

@@ -19,7 +19,7 @@ mod whole_run;
 pub use cell_ranges::CellRanges;
 pub use disagreements::Disagreements;
 pub use inferred::Inferred;
-pub use piece::Piece;
+pub use piece::{MeasurementSink, Piece};
 pub use samples::Samples;
 pub use smoothed_cell::SmoothedCell;
 pub use whole_run::{Known, smooth_pieces, smooth_run};

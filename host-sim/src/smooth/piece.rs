@@ -3,11 +3,15 @@
 use super::inferred::Inferred;
 use super::smoothed_cell::SmoothedCell;
 use estimator_core::filter::{
-    CellInput, ModelMass, Moments, Quantity, SlowStates, State, VehicleCells, initial_state,
+    CellInput, Measurand, Measurement, ModelMass, Moments, Quantity, SlowStates, State,
+    VehicleCells, initial_state,
 };
 use estimator_core::inference::window::{of_doubtful_force, timing_variance};
 use estimator_core::tuning::Numbers;
 use estimator_core::{CELL_LENGTH_M, CellEnd, Context, Disagreement, Estimate, Sample, Uncertain};
+
+/// Takes a measurement, and the end of its cell.
+pub type MeasurementSink<'a, E> = dyn FnMut(&CellEnd, &Measurement<f64>) -> Result<(), E> + 'a;
 
 /// The end of a cell, and what the sample says besides.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +62,7 @@ impl Piece {
         for end in self.ends.iter_mut().rev().take(noticed_late) {
             end.signals = end.signals.or(sample.disagreement);
         }
-        if let Some(doubt) = maker.doubt_behind(numbers, sample) {
+        if let Some(doubt) = maker.doubt_behind(&context.tuning, sample) {
             doubt.mark(&mut self.cells);
         }
     }
@@ -93,12 +97,9 @@ impl Piece {
     pub fn smooth(
         &self,
         numbers: &Numbers,
-        hides_brakes: bool,
+        inferred: &mut Inferred<'_>,
         origin_m: Option<f32>,
     ) -> Vec<(SmoothedCell, Disagreement)> {
-        let Some(mut inferred) = self.infer(numbers, hides_brakes) else {
-            return Vec::new();
-        };
         let mut smoothed = vec![Smoothed::NONE; self.cells.len()];
         inferred.back(|index, record, adjoint| {
             let of = |quantity| adjoint.smooth(&record.state, quantity);
@@ -113,7 +114,7 @@ impl Piece {
         });
         let own = self.ends.iter().enumerate().filter(|(_, end)| end.is_own);
         own.map(|(index, end)| {
-            let found = self.disagreement(numbers, index, &smoothed[index], &inferred);
+            let found = self.disagreement(numbers, index, &smoothed[index], inferred);
             let disagreement = found.or(end.signals);
             let cell = SmoothedCell {
                 end: end.end,
@@ -123,6 +124,34 @@ impl Piece {
             (cell, disagreement)
         })
         .collect()
+    }
+
+    /// Passes the measurements of the cells that are its own to `take`, as the filter met them on its
+    /// last way forward. Altitudes are those of the receiver.
+    ///
+    /// # Errors
+    /// Returns the first error of `take`.
+    pub fn measurements<E>(
+        &self,
+        inferred: &mut Inferred<'_>,
+        origin_m: Option<f32>,
+        take: &mut MeasurementSink<'_, E>,
+    ) -> Result<(), E> {
+        let origin_m = origin_m.map_or(0.0, f64::from);
+        let mut taken = Ok(());
+        inferred.forward(|index, cell, terms, record| {
+            let End { end, is_own, .. } = &self.ends[index];
+            let measurements = record.measurements(cell, &terms.noise);
+            for mut measurement in measurements.into_iter().flatten() {
+                if measurement.measurand == Measurand::Altitude {
+                    measurement.observation += origin_m;
+                }
+                if *is_own && taken.is_ok() {
+                    taken = take(end, &measurement);
+                }
+            }
+        });
+        taken
     }
 
     fn estimate(

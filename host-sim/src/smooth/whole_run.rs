@@ -4,7 +4,7 @@
 //! kilometres. Memory therefore does not grow with the run.
 
 use super::disagreements::Disagreements;
-use super::piece::Piece;
+use super::piece::{MeasurementSink, Piece};
 use super::samples::Samples;
 use super::smoothed_cell::SmoothedCell;
 use estimator_core::filter::{SlowStates, VehicleCells};
@@ -28,7 +28,7 @@ pub struct Known<'a> {
 #[must_use]
 pub fn smooth_run(context: &Context, known: Known<'_>, samples: &[Sample]) -> Vec<SmoothedCell> {
     let mut cells = Vec::new();
-    let Ok(_) = smooth_pieces(context, known, &mut { samples }, |_, piece| {
+    let Ok(_) = smooth_pieces(context, known, &mut { samples }, None, |_, piece| {
         cells.extend(piece);
         Ok(())
     });
@@ -36,14 +36,16 @@ pub fn smooth_run(context: &Context, known: Known<'_>, samples: &[Sample]) -> Ve
 }
 
 /// Smooths a run that need not fit into memory. `take` gets the cells from the first speed on, piece by
-/// piece in the order of the run, with the index of the first one. Returns where signals disagree.
+/// piece in the order of the run, with the index of the first one; `measured`, if there is one, gets
+/// their measurements. Returns where signals disagree.
 ///
 /// # Errors
-/// Returns the error of `samples` or of `take`.
+/// Returns the error of `samples`, of `measured` or of `take`.
 pub fn smooth_pieces<M: Samples>(
     context: &Context,
     known: Known<'_>,
     samples: &mut M,
+    mut measured: Option<&mut MeasurementSink<'_, M::Error>>,
     mut take: impl FnMut(usize, Vec<SmoothedCell>) -> Result<(), M::Error>,
 ) -> Result<Disagreements, M::Error> {
     let numbers = &context.tuning.estimation;
@@ -66,7 +68,14 @@ pub fn smooth_pieces<M: Samples>(
             piece.push(context, known.slow_states, &mut maker, sample, is_own);
             at += 1;
         })?;
-        let cells = piece.smooth(numbers, known.hides_brakes, maker.origin_m());
+        let mut cells = Vec::new();
+        if let Some(mut inferred) = piece.infer(numbers, known.hides_brakes) {
+            let origin_m = maker.origin_m();
+            cells = piece.smooth(numbers, &mut inferred, origin_m);
+            if let Some(measured) = &mut measured {
+                piece.measurements(&mut inferred, origin_m, measured)?;
+            }
+        }
         if let Some(next) = next_maker {
             maker = next;
         }

@@ -50,8 +50,8 @@ const MAPS: [(&str, [usize; VEHICLES.len()]); 8] = [
     ("six of A, six of B", [6, 6]),
 ];
 
-/// A sigma of the latency that no drive reaches, s: nothing is learned.
-const NEVER_S: f32 = 1e-4;
+/// An evidence for another delay that no drive reaches: nothing is learned.
+const NEVER: f32 = 1e9;
 
 /// Figures of one map.
 #[derive(Clone, Copy, Debug)]
@@ -118,7 +118,7 @@ fn campaign(
     let tuning = Tuning::default();
     let runs = campaign.drive(&VEHICLES, &tuning, &done)?;
     let mut assumed = tuning;
-    assumed.detection.lag_sigma_s = NEVER_S;
+    assumed.detection.delay_evidence = NEVER;
     let assumed = campaign.drive(&VEHICLES, &assumed, &done)?;
     let misplaced: Vec<(f64, f64)> = runs.iter().map(|run| campaign.misplaced_m(run)).collect();
     let first_of =

@@ -21,11 +21,7 @@ fn kinds() -> TempDir {
     )
     .unwrap();
     fs::write(at.join("s.toml"), "[road]\n[[runs]]\nname = \"a\"\n").unwrap();
-    fs::write(
-        at.join("tuning.toml"),
-        "[hold_times]\nshift_hold_ms = 1500\n",
-    )
-    .unwrap();
+    fs::write(at.join("tuning.toml"), "[hold_times]\nhold_ms = 1500\n").unwrap();
     done(
         at,
         &["fuse", "--out", "map.csv", "--store", "sums.csv", "0.csv"],

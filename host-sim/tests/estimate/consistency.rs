@@ -26,7 +26,7 @@ fn smoothed(disagrees: impl Fn(u32) -> Disagreement) -> (Vec<SmoothedCell>, Disa
     }
     let mut cells = Vec::new();
     let mut held: &[Sample] = &samples;
-    let Ok(found) = smooth_pieces(&context, Known::default(), &mut held, |_, piece| {
+    let Ok(found) = smooth_pieces(&context, Known::default(), &mut held, None, |_, piece| {
         cells.extend(piece);
         Ok(())
     });

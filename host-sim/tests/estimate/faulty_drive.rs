@@ -1,6 +1,6 @@
 //! Simulated drives on which something is wrong, and whether their sigmas are true.
 
-use estimator_core::{Counters, Instant, Reading, Signal, Tuning, Value};
+use estimator_core::{Counters, Delays, Instant, Reading, Signal, Tuning, Value};
 use host_sim::files::run::RunRow;
 use host_sim::numeric::series::linear;
 use host_sim::recorder::Recorder;
@@ -64,6 +64,7 @@ pub fn with_torque(reported: &[Timed], value: impl FnMut(f64, f32) -> Option<f32
 pub struct Judged {
     pub rows: Vec<RunRow>,
     pub counters: Counters,
+    pub delays: Delays,
     /// Of smoothed, lagged and live grades.
     pub of: [Judgement; 3],
 }
@@ -124,6 +125,7 @@ pub fn judged(run: &SimulatedRun, reported: &[Timed], onset_m: f64) -> Judged {
     Judged {
         rows,
         counters: found.counters,
+        delays: found.delays,
         of,
     }
 }

@@ -1,7 +1,7 @@
 //! Receivers whose fixes come late. Once the drive has shown it, the run is right from its start on.
 
 use crate::faulty_drive::{Judged, Timed, judged, reported, simulated};
-use estimator_core::Signal;
+use estimator_core::{Delay, Delays, Signal};
 use host_sim::files::run::RunRow;
 use host_sim::simulator::SimulatedRun;
 use std::collections::BTreeMap;
@@ -55,6 +55,16 @@ fn check(what: &str, run: &SimulatedRun, late_s: f64) -> Judged {
     let expected = judged(run, &prompt, f64::INFINITY);
     let found = judged(run, &late(&prompt, late_s), f64::INFINITY);
     found.keeps_the_rule(&what);
+    assert_eq!(expected.delays, Delays::default(), "{what}: in time");
+    // Besides the usual 0.15 s, behind a wheel speed that is 0.03 s late.
+    let Delay::Estimated { delay_s, sigma_s } = found.delays.receiver else {
+        panic!("{what}: {:?}", found.delays);
+    };
+    let off_s = f64::from(delay_s) - (late_s + 0.12);
+    assert!(
+        off_s.abs() < 0.06 && sigma_s < 0.05,
+        "{what}: {off_s} ± {sigma_s} s"
+    );
     // Of the first 5 km, and of any others.
     let worst = found.of[0].worst;
     assert!(worst < 3.0, "{what}: {worst}");
@@ -76,7 +86,7 @@ fn check(what: &str, run: &SimulatedRun, late_s: f64) -> Judged {
 fn what_came_before_it_was_learned_is_put_right() {
     for (truck, seed) in [("A", 10), ("B", 3)] {
         let run = simulated(truck, seed, 20, "", "");
-        for late_s in [2.0, 5.0] {
+        for late_s in [0.48, 2.0, 5.0] {
             check(truck, &run, late_s);
         }
     }

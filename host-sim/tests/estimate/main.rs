@@ -7,6 +7,7 @@ mod end_to_end;
 mod engine_configuration;
 mod faulty_drive;
 mod gnss_faults;
+mod innovations;
 mod late_receiver;
 mod latencies;
 mod motor_torque;

@@ -36,12 +36,10 @@ fn a_missing_key_keeps_its_default() {
     assert_eq!(read("").unwrap(), Tuning::default());
     assert_eq!(read_or_default(None).unwrap(), Tuning::default());
     assert_eq!(read(&all_defaults()).unwrap(), Tuning::default());
-    let tuned =
-        read("[detection]\nspeed_frozen_readings = 5\n[hold_times]\nshift_hold_ms = 1500\n")
-            .unwrap();
+    let tuned = read("[detection]\nfrozen_readings = 5\n[hold_times]\nhold_ms = 1500\n").unwrap();
     let mut expected = Tuning::default();
-    expected.detection.speed_frozen_readings = 5;
-    expected.hold_times.shift_hold = estimator_core::Duration::from_millis(1_500);
+    expected.detection.frozen_readings = 5;
+    expected.hold_times.hold = estimator_core::Duration::from_millis(1_500);
     assert_eq!(tuned, expected);
 }
 
@@ -58,12 +56,12 @@ fn errors_name_the_expected_value() {
             "prior.scale: unknown key; expected one of torque_sigma, ",
         ),
         (
-            "[detection]\nspeed_frozen_readings = 2.5\n",
-            "detection.speed_frozen_readings = 2.5: expected a whole number",
+            "[detection]\nfrozen_readings = 2.5\n",
+            "detection.frozen_readings = 2.5: expected a whole number",
         ),
         (
-            "[detection]\nspeed_frozen_readings = 0\n",
-            "detection.speed_frozen_readings = 0: expected a value from 1 to 255",
+            "[detection]\nfrozen_readings = 0\n",
+            "detection.frozen_readings = 0: expected a value from 1 to 255",
         ),
         (
             "[prior]\nkept_bias = \"4\"\n",

@@ -229,3 +229,37 @@ fn logs_of_two_vehicles_are_doubted() {
     assert!(told(&["heavy.log", "light.log"]).contains(doubt));
     assert!(!told(&["light.log", "light.log"]).contains("of one vehicle"));
 }
+
+#[test]
+fn a_receiver_that_is_late_is_told() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&HEAVY], 25_000.0, false);
+    let told = |log: &str| {
+        let arguments = ["identify", "--out", "found.toml", log];
+        let done = roadgrade(path, &arguments).success();
+        let errors = String::from_utf8(done.get_output().stderr.clone()).unwrap();
+        let file = fs::read_to_string(path.join("found.toml")).unwrap();
+        VehicleFile::read(&path.join("found.toml")).unwrap();
+        [errors, file].map(|text| {
+            let late = text.lines().find(|line| line.contains("s late:"));
+            late.map(str::to_owned)
+        })
+    };
+    assert_eq!(told("heavy.log"), [None, None]);
+    let scenario = fs::read_to_string(path.join("scenario.toml")).unwrap();
+    let late = scenario.replace("[road]", "[latency_ms]\ngnss = 1200.0\n[road]");
+    fs::write(path.join("scenario.toml"), late).unwrap();
+    roadgrade(
+        path,
+        &["simulate", "--scenario", "scenario.toml", "--out", "late"],
+    )
+    .success();
+    for told in told("late/heavy.log") {
+        let told = told.unwrap();
+        // Behind a wheel speed that is 0.03 s late.
+        let seconds = told.split("receiver is ").nth(1).unwrap();
+        let seconds: f64 = seconds.split(' ').next().unwrap().parse().unwrap();
+        assert!((seconds - 1.17).abs() < 0.06, "{told}");
+    }
+}

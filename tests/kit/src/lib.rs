@@ -9,6 +9,7 @@ pub mod effect_drive;
 pub mod electric_car;
 mod frames;
 pub mod hilly_drive;
+pub mod late_drive;
 #[cfg(feature = "mdf")]
 pub mod mdf;
 mod noise;

@@ -23,7 +23,7 @@ const CRATES: [&str; 9] = [
 ];
 
 /// Parts of the core from top to bottom. None imports what stands above it.
-const CORE: [&str; 26] = [
+const CORE: [&str; 25] = [
     "estimator",
     "broadcast",
     "persistent_state",
@@ -42,8 +42,7 @@ const CORE: [&str; 26] = [
     "tuning",
     "counters",
     "cell",
-    "mean_and_variance",
-    "shift_in",
+    "delay",
     "scalar",
     "time",
     "maybe",

@@ -115,7 +115,7 @@ pub fn files() -> TempDir {
     write("force.toml", VEHICLE.as_bytes());
     write(
         "tuning.toml",
-        b"[estimation]\nspeed_noise_mps = 0.02\n[hold_times]\nshift_hold_ms = 1500\n",
+        b"[estimation]\nspeed_noise_mps = 0.02\n[hold_times]\nhold_ms = 1500\n",
     );
     write("mission.csv", mission().as_bytes());
     write("TripA01.csv", trip().as_bytes());

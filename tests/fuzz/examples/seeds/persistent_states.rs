@@ -29,7 +29,7 @@ pub fn of_persistent_state() -> Vec<(&'static str, Vec<u8>)> {
         ),
         ("damaged", seed(AS_IT_IS, &damaged)),
         ("of_something_else", with(0, *b"ELF\0")),
-        ("of_a_later_version", with(4, 3_u32.to_le_bytes())),
+        ("of_a_later_version", with(4, 5_u32.to_le_bytes())),
         ("of_another_vehicle", with(8, [1, 2, 3, 4])),
         ("bias_not_a_number", with(16, f32::NAN.to_le_bytes())),
         ("variance_below_zero", with(20, (-1.0_f32).to_le_bytes())),

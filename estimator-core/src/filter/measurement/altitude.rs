@@ -1,0 +1,33 @@
+//! Altitude of a GNSS receiver.
+
+use super::row::Row;
+use super::update::Update;
+use crate::filter::cell_input::Reading;
+use crate::filter::state::{Quantity, State};
+use crate::filter::state_index::StateIndex::{Altitude, FastGnssError, SlowGnssError};
+use crate::scalar::Scalar;
+
+/// Returns its row: the coloured errors of the receiver are states.
+#[inline(always)]
+pub(in crate::filter) fn row<S: Scalar>() -> Row<S, 3> {
+    Row([Altitude, SlowGnssError, FastGnssError].map(|index| (index, S::ONE)))
+}
+
+impl<S: Scalar> State<S> {
+    /// Updates with an altitude.
+    #[inline(always)]
+    pub(in crate::filter) fn update_altitude(
+        &mut self,
+        reading: &Reading,
+        variance: S,
+        gate: Option<S>,
+    ) -> Update<S> {
+        let row = row();
+        let slope = self.mean_of(Quantity::RoadSlope);
+        let measured = S::from_f32(reading.value) + S::from_f32(0.01 * reading.behind_m) * slope;
+        let cross = row.cross(&self.covariance);
+        let innovation = measured - row.of(&self.mean);
+        let innovation_variance = row.of(&cross) + variance;
+        self.update(innovation, innovation_variance, &cross, gate)
+    }
+}
