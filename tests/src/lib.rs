@@ -15,6 +15,7 @@ pub mod large_map;
 pub mod manoeuvres;
 pub mod peers;
 pub mod planted;
+pub mod sensitivity;
 pub mod verdict;
 
 use host_sim::error::Result;

@@ -65,7 +65,9 @@ impl Subject {
         }
     }
 
-    fn is_present(self) -> bool {
+    /// Returns whether its data are present.
+    #[must_use]
+    pub fn is_present(self) -> bool {
         match self {
             Drive(drive) => simulated_drive::folder(drive).exists(),
             Trip(trip) => car_trips::file(trip).exists(),
@@ -75,15 +77,22 @@ impl Subject {
         }
     }
 
-    fn rows(self, tuning: &Tuning) -> Result<Vec<AccuracyRow>> {
-        let errors: Vec<Errors> = match self {
+    /// Judges it. Returns the errors of each of its names.
+    ///
+    /// # Errors
+    /// Returns an error if its data cannot be read.
+    pub fn errors(self, tuning: &Tuning) -> Result<Vec<Errors>> {
+        Ok(match self {
             Drive(drive) => vec![simulated_drive::judge(drive, tuning)?],
             Trip(trip) => vec![car_trips::judge(&car_trips::file(trip), tuning)?],
             Trips => car_trips::judge_all(tuning)?.into(),
             Laps => vec![track_laps::judge(tuning)?],
             Passes => vec![bus_passes::judge(tuning)?],
-        };
-        let named = self.names().into_iter().zip(errors);
+        })
+    }
+
+    fn rows(self, tuning: &Tuning) -> Result<Vec<AccuracyRow>> {
+        let named = self.names().into_iter().zip(self.errors(tuning)?);
         let rows = named.map(|(name, errors)| AccuracyRow::new(&name, &errors));
         Ok(rows.collect())
     }

@@ -1,6 +1,7 @@
 //! Tables of what the core declares: tuning, effects, signals.
 
 use super::pipe_table::pipe_table;
+use super::sensitivity_tables::costs;
 use estimator_core::effect::{CATALOGUE, description_of};
 use estimator_core::signal::messages;
 use estimator_core::{Signal, Tuning};
@@ -9,6 +10,7 @@ use host_sim::error::Result;
 /// Makes the table of the parameters of a group.
 pub fn tuning(group: &str) -> Result<Option<String>> {
     let parameters = Tuning::PARAMETERS.iter().filter(|of| of.group == group);
+    let cost = costs()?;
     let rows = parameters.map(|of| {
         [
             format!("`{}`", of.key),
@@ -19,10 +21,11 @@ pub fn tuning(group: &str) -> Result<Option<String>> {
             format!("{} to {}", number(of.low), number(of.high)),
             of.meaning.to_owned(),
             of.source.to_owned(),
+            cost(of.key),
         ]
     });
     Ok(Some(pipe_table(
-        ["key", "default", "range", "meaning", "source"],
+        ["key", "default", "range", "meaning", "source", "cost, %"],
         rows,
     )))
 }

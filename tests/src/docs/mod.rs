@@ -15,6 +15,7 @@ mod diagnosis_table;
 mod measured_tables;
 mod pipe_table;
 mod road_tables;
+mod sensitivity_tables;
 
 use crate::image::root;
 use host_sim::error::{Error, Result};
@@ -50,6 +51,7 @@ const TUNING: &str = "from estimator-core/src/tuning/mod.rs";
 const EFFECTS: &str = "from estimator-core/src/effect";
 const SIGNALS: &str = "from estimator-core/src/signal and estimator-core/dbc";
 const COUNTERS: &str = "from estimator-core/src/counters.rs";
+const MECHANISMS: &str = "cargo run -p cross-tests --example sensitivity -- mechanisms";
 const BUDGETS: &str = "cargo run -p cross-tests --release --example budgets";
 const MOTORWAY: &str = "roadgrade simulate, estimate, score: motorway.toml";
 const DEMO: &str = "roadgrade demo";
@@ -81,6 +83,7 @@ blocks! {
     "docs/tuning.md" "prior" TUNING Nothing code_tables::tuning("prior");
     "docs/tuning.md" "hold_times" TUNING Nothing code_tables::tuning("hold_times");
     "docs/tuning.md" "detection" TUNING Nothing code_tables::tuning("detection");
+    "docs/theory.md" "mechanisms" MECHANISMS Nothing sensitivity_tables::without_mechanisms();
     "docs/theory/effects.md" "effects" EFFECTS Nothing code_tables::effects();
     "docs/theory/effects.md" "parameters of effects" EFFECTS Nothing code_tables::effect_parameters();
     "docs/formats.md" "effect ranges" EFFECTS Nothing code_tables::effect_ranges();
