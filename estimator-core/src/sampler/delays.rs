@@ -23,7 +23,7 @@ use crate::tuning::Detection;
 /// Time between two comparisons, and slots in it.
 const SECOND: Duration = Duration::from_micros(1_000_000);
 const PER_SECOND: usize = 4;
-/// Lags of the receiver: -0.25 to 8.5 s. Wheel speeds are late as well, by some 30 ms.
+/// Lags of the receiver: -0.25 to 5.5 s. Wheel speeds are late as well, by some 30 ms.
 const RECEIVER_LAGS: usize = SHARES * AT_ONCE;
 const FIRST_LAG: f32 = -1.0;
 const RECEIVER: Row = Row {
@@ -33,17 +33,20 @@ const RECEIVER: Row = Row {
 };
 /// Slots that do a share of them, and size of a share.
 const SHARES: usize = 3;
-const AT_ONCE: usize = 12;
-/// Lags of the force: -0.5 to 5.25 s. A force that is less late than a slot is not moved.
-const TRACTION_LAGS: usize = 24;
+const AT_ONCE: usize = 8;
+/// Lags of the force: -0.5 to 3.25 s.
+const TRACTION_LAGS: usize = 16;
 const TRACTION: Row = Row {
     first_s: -2.0 * SLOT_S,
-    tolerance_s: SLOT_S,
+    tolerance_s: LEAST_LATE_S,
     is_of_changes: true,
 };
-/// Age of the acceleration that the force is compared with, in slots: half a second more than the last
-/// lag.
-const CENTRE: usize = 23;
+/// A force that is less late is not moved: engines answer, and wheels slip.
+const LEAST_LATE_S: f32 = 0.4;
+/// Age of the acceleration that the force is compared with, in slots: the last lag has two slots more.
+const CENTRE: usize = TRACTION_LAGS + 1;
+/// Slots in which the force has to be passed: those of the two seconds that a change compares.
+const WINDOW: usize = 2 * PER_SECOND + 1;
 /// Largest changes that count, so that no single launch decides: acceleration, m/s², and force, in
 /// units of 10 kN.
 const MOST: (f32, f32) = (0.5, 1.0);
@@ -144,7 +147,7 @@ impl DelayEstimator {
     #[inline(never)] // Called from two places.
     pub(super) fn traction_late_s(&self) -> f32 {
         let late_s = self.traction.delay.estimated_s().unwrap_or_default();
-        if late_s > SLOT_S { late_s } else { 0.0 }
+        if late_s > LEAST_LATE_S { late_s } else { 0.0 }
     }
 
     /// Takes a change of the receiver: another one has another latency.
@@ -283,16 +286,16 @@ impl DelayEstimator {
         let force = |age| slots.get(age).force;
         let traction = self.traction.of_any_length();
         traction.begin(tuning.delay_memory_s);
-        for lag in 0..TRACTION_LAGS {
-            let newer = CENTRE - lag;
-            let (newer, older) = (force(newer), force(newer + PER_SECOND));
-            // An open clutch passes none. Other messages say so, and at another time.
-            let change = if newer == 0.0 || older == 0.0 {
-                0.0
-            } else {
-                bounded(newer - older, MOST.1)
-            };
-            traction.add(lag, acceleration, change);
+        // An open clutch passes no force. Other messages say so, and at another time; and the torque that
+        // comes back behind it would explain what the clutch did.
+        let mut passed = 0;
+        for age in (0..CENTRE + PER_SECOND + PER_SECOND / 2 + 1).rev() {
+            passed = if force(age) == 0.0 { 0 } else { passed + 1 };
+            let newer = age + PER_SECOND / 2;
+            if passed >= WINDOW && newer <= CENTRE {
+                let change = bounded(force(newer) - force(newer + PER_SECOND), MOST.1);
+                traction.add(CENTRE - newer, acceleration, change);
+            }
         }
     }
 

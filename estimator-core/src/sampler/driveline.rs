@@ -9,6 +9,8 @@ use crate::time::Instant;
 use crate::tuning::Tuning;
 use crate::vehicle::{Driveline, Gear, Powertrain, Traction};
 
+/// Tolerance of a gear that is in, over that of one that the engine approaches at launch.
+const ENGAGED: f32 = 2.0;
 /// Speed below which a single reduction is taken to be in, m/s.
 const SLOW_MPS: f32 = 1.0;
 
@@ -218,7 +220,7 @@ impl DrivelineSignals {
             let (slowest_mps, tolerance) = if is_launch {
                 (SLOW_MPS, 1.0)
             } else {
-                (0.0, detection.gear_tolerance)
+                (0.0, ENGAGED * detection.gear_tolerance)
             };
             let turns = |(rpm, mps)| {
                 let mps = Scalar::max(mps, slowest_mps);
@@ -250,7 +252,7 @@ impl DrivelineSignals {
                 let tolerance = if is_launch {
                     detection.gear_tolerance
                 } else {
-                    detection.gear_tolerance
+                    ENGAGED * detection.gear_tolerance
                 };
                 let turned_rpm = powertrain.engine_rpm(gear, mps, model.wheel_radius_m());
                 let turns = is_near(rpm, turned_rpm, tolerance);

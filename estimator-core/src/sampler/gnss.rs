@@ -28,6 +28,8 @@ const UNITS_PER_M_EAST: f32 = 1_031.0;
 const STEP_SLACK_M: f32 = 200.0;
 /// ... and this times what was driven.
 const STEP_RATIO: f32 = 2.0;
+/// Largest dilution of precision that counts: a fix beyond has no weight.
+const LARGEST_DILUTION: f32 = 50.0;
 /// Fewest satellites that give an altitude: position and clock are four unknowns.
 const FEWEST_SATELLITES: f32 = 4.0;
 
@@ -168,7 +170,10 @@ impl Gnss {
         let measurement = AltitudeMeasurement {
             altitude_m,
             behind_m: 0.0,
-            dilution: Scalar::max(1.0, Scalar::max(few, dilution)),
+            dilution: Scalar::max(
+                Scalar::min(dilution, LARGEST_DILUTION),
+                Scalar::max(few, 1.0),
+            ),
             continuity,
         };
         self.altitude = Some((measurement, at_m));

@@ -48,13 +48,21 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// Returns what regression leaves of the sum of squares of the target.
+    /// Returns what regression leaves of the sum of squares of the target. Of changes it is the part:
+    /// not each one is compared at each lag.
     fn left(&self, row: &Row) -> f32 {
         let is_explained = !row.is_of_changes || self.products > 0.0;
-        if is_explained && self.regressors > 0.0 {
+        let left = if is_explained && self.regressors > 0.0 {
             self.targets - self.products * self.products / self.regressors
         } else {
             self.targets
+        };
+        if !row.is_of_changes {
+            left
+        } else if self.targets > 0.0 {
+            left / self.targets
+        } else {
+            1.0
         }
     }
 }

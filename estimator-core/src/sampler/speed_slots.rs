@@ -7,8 +7,8 @@ use crate::time::{Duration, Instant};
 /// Length of a slot.
 pub(super) const SLOT: Duration = Duration::from_micros(250_000);
 pub(super) const SLOT_S: f32 = 0.25;
-/// Number of slots that are kept: 10 s.
-pub(super) const SLOTS: usize = 40;
+/// Number of slots that are kept: 8 s.
+pub(super) const SLOTS: usize = 32;
 /// Longest time between two wheel speeds that is bridged.
 const LONGEST: Duration = Duration::from_micros(1_250_000);
 

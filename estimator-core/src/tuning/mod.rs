@@ -125,7 +125,7 @@ tuning! {
         slow_mps: f32 = 2.0, 0.0..=20.0, "m/s", "speed below which readings of the speed are coarse, and a course has no meaning", "wheel sensors are bad below 1.5 (ZTBus); receivers hold or scatter a course";
         launch_mps: f32 = 5.0, 0.0..=50.0, "m/s", "speed below which a vehicle launches or reverses: above it an open driveline coasts, and no vehicle reverses by its course alone", "launch in the lowest gears ends below 5; no driver reverses at 18 km/h";
         clutch_slip_percent: f32 = 5.0, 0.0..=50.0, "%", "clutch slip beyond a sensor's offset; and distance from full slip of an open clutch", "SPN 522 has a resolution of 0.4, and sensors of both shafts differ by a per cent or two";
-        gear_tolerance: f32 = 0.07, 0.0..=0.5, "1", "relative difference of engine speed and gear that is no slip, and of a measured ratio and that of a gear", "worn tyres and ages of readings; the narrowest gearboxes step by 0.17";
+        gear_tolerance: f32 = 0.05, 0.0..=0.5, "1", "relative difference of engine speed and gear at launch, and of a measured ratio and that of a gear, that is none; twice that once a gear is in", "worn tyres and ages of readings; the narrowest gearboxes step by 0.17";
         gear_agreed_readings: u16 = 100, 1.0..=65_535.0, "readings", "readings in which engine and gear must have agreed before a reported gear is rejected for turning otherwise", "10 s at 10 Hz: a wrong gear fits for no longer";
         loaded_percent: f32 = 10.0, 0.0..=100.0, "%", "net engine torque that more than the engine's own auxiliaries takes up", "fan, alternator and compressor take up to 30 kW of 350";
         brake_pressure_pa: f32 = 20_000.0, 0.0..=1e7, "Pa", "pressure in the service brakes beyond a sensor's offset", "sensors are off by up to 2 % of 10 bar";
@@ -139,7 +139,7 @@ tuning! {
         frozen_readings: u8 = 10, 1.0..=255.0, "readings", "equal readings in a row of a speed or an altitude that may come from a stuck sensor", "a second at 10 Hz";
         speed_frozen_change: f32 = 0.005, 0.0..=1.0, "1", "relative change of engine speed over the gear that shows it", "idle control and resolution (SPN 190: 0.125 rpm) make 0.001";
         speed_frozen_steps: f32 = 3.0, 0.0..=100.0, "steps", "the same in steps of the speed's resolution", "noise of a step to either side, and the reading before";
-        fix_reach_m: f32 = 100.0, 1.0..=1e4, "m", "distance over which the last position is extended, and on which no receiver repeats an altitude to the last digit", "on 0.1 % the altitude changes by 0.1 m there, the resolution of most receivers";
+        fix_reach_m: f32 = 200.0, 1.0..=1e4, "m", "distance over which the last position is extended, and on which no receiver repeats an altitude to the last digit", "a receiver that is 5 s late is 125 m behind at 90 km/h; on 0.1 % the altitude changes by 0.2 m there";
         delay_memory_s: f32 = 7_200.0, 60.0..=1e6, "s", "time over which receiver and force are compared with the wheel speed for their delays", "two hours: they stay as they are, and light trucks hardly accelerate";
         delay_evidence: f32 = 6.0, 0.0..=1e9, "1", "evidence from which on a delay is another one than assumed: logarithm of the ratio of their likelihoods", "odds of 400 to 1";
         speed_scale_change: f32 = 0.03, 0.0..=1.0, "1", "relative difference of wheel speed and speed over ground above which the wheel speed is scaled", "worn tyres make 0.02";

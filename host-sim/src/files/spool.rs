@@ -2,6 +2,7 @@
 //! (in `TMPDIR`, else in the system's folder). The file is unlinked, so it disappears with the
 //! process.
 
+use crate::error::Error;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -19,6 +20,11 @@ pub fn blocks(part: Range<usize>) -> impl Iterator<Item = Range<usize>> {
     let end = part.end;
     part.step_by(BLOCK)
         .map(move |begin| begin..end.min(begin + BLOCK))
+}
+
+/// Returns the error for a temporary file that cannot be written or read back.
+pub fn no_room(error: io::Error) -> Error {
+    Error::io(&tempfile::env::temp_dir())(error)
 }
 
 /// Entries of at most `SLOT` bytes in postcard's encoding. Each takes a slot of this size, so that

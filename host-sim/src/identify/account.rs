@@ -1,7 +1,8 @@
 //! Each value with its origin, and what the logs cannot tell.
 
 use super::draft::{Draft, Parameter};
-use super::identified::{Estimate, Identified, IdentifiedValue, Origin, Unknown};
+use super::estimate::{Estimate, Unknown};
+use super::identified::{Identified, IdentifiedValue, Origin};
 use super::observation::Observation;
 use crate::files::vehicle::VehicleFile;
 use estimator_core::AdoptedEffect;

@@ -1,5 +1,6 @@
 //! The vehicle file with a comment at each value.
 
+use super::estimate::two_digits;
 use super::identified::{Identified, IdentifiedValue, Origin};
 use std::collections::BTreeMap;
 
@@ -57,13 +58,4 @@ pub fn comment(value: &IdentifiedValue) -> String {
         _ => format!(" ± {}", two_digits(value.sigma)),
     };
     format!("{origin}{sigma}: {}", value.how)
-}
-
-/// Returns a number with two significant digits, without an exponent.
-pub(super) fn two_digits(value: f64) -> String {
-    if value <= 0.0 || !value.is_finite() {
-        return "0".to_owned();
-    }
-    let decimals = (1 - value.log10().floor() as i32).max(0);
-    format!("{value:.*}", decimals as usize)
 }

@@ -1,6 +1,6 @@
 //! Classes of vehicles: what is usual where nothing is measured.
 
-use super::identified::Estimate;
+use super::estimate::Estimate;
 use crate::files::vehicle::VehicleFile;
 use estimator_core::Traction;
 use serde::Deserialize;

@@ -1,7 +1,6 @@
 //! How late receiver and force of the vehicle are, where drives show it.
 
-use super::annotated::two_digits;
-use super::identified::{Estimate, Unknown};
+use super::estimate::{Estimate, Unknown, two_digits};
 use crate::numeric::statistics;
 use estimator_core::{Delay, Delays};
 
@@ -64,7 +63,7 @@ pub fn unknown(drives: &[Delays]) -> Option<Unknown> {
     let is_wrong = drives.iter().any(|of| of.receiver == Delay::Invalid)
         && mean(drives.iter().map(|of| of.receiver)).is_none();
     is_wrong.then(|| Unknown {
-        what: "how late the GNSS receiver is: by more than 8 s, or it changes".to_owned(),
+        what: "how late the GNSS receiver is: by more than 5 s, or it changes".to_owned(),
         advice: "Record the receiver where its messages arrive.".to_owned(),
     })
 }

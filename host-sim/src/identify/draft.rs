@@ -1,8 +1,9 @@
 //! The vehicle while it is identified: a value and an origin for each parameter.
 
 use super::class::Usual;
+use super::estimate::Estimate;
 use super::gears::FoundGear;
-use super::identified::{Estimate, Origin};
+use super::identified::Origin;
 use super::observation::Observation;
 use estimator_core::{Gear, Model, Powertrain, Signal, Traction, VehicleParameters};
 

@@ -1,7 +1,7 @@
 //! Resistance, drag and traction, from the innovations of the filter (see
 //! [`evidence`](crate::diagnose::evidence)).
 
-use super::identified::Estimate;
+use super::estimate::Estimate;
 use crate::diagnose::drive::LoggedDrive;
 use crate::diagnose::evidence::{Evidence, ForceColumn, WINDS_MPS, judging_tuning, segments};
 use crate::diagnose::regression::{Basis, Fit, Regression};

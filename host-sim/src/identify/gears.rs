@@ -1,6 +1,7 @@
 //! The gears of a gearbox, from engine speed over wheel speed.
 
-use super::identified::{Estimate, Origin};
+use super::estimate::Estimate;
+use super::identified::Origin;
 use super::observation::Observation;
 use super::ratio_histogram::{Peak, RatioHistogram};
 use estimator_core::vehicle::MAX_GEARS;

@@ -1,18 +1,9 @@
 //! What an identification finds.
 
 use super::delays::FoundDelay;
+use super::estimate::Unknown;
 use crate::files::vehicle::VehicleFile;
-use serde::{Deserialize, Serialize};
-
-/// A value with its standard deviation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Estimate {
-    /// The value.
-    pub value: f64,
-    /// One standard deviation, in the unit of the value.
-    pub sigma: f64,
-}
+use serde::Serialize;
 
 /// Where a value comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -42,15 +33,6 @@ pub struct IdentifiedValue {
     pub how: String,
 }
 
-/// What these logs cannot tell, and the drive that would.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Unknown {
-    /// What is not known.
-    pub what: String,
-    /// What to record.
-    pub advice: String,
-}
-
 /// The result of an identification.
 #[derive(Clone, Debug)]
 pub struct Identified {
@@ -66,18 +48,4 @@ pub struct Identified {
     pub unknown: Vec<Unknown>,
     /// Why logs were left out, a line each.
     pub left_out: Vec<String>,
-}
-
-impl Estimate {
-    /// Returns this value with this sigma.
-    #[must_use]
-    pub const fn new(value: f64, sigma: f64) -> Self {
-        Self { value, sigma }
-    }
-
-    /// Returns the sigma as a part of the value.
-    #[must_use]
-    pub fn relative_sigma(&self) -> f64 {
-        self.sigma / self.value
-    }
 }

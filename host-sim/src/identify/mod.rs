@@ -6,7 +6,8 @@
 //! * [`fit`]: resistance, drag, traction and mass from the innovations of the filter;
 //! * [`delays`]: how late receiver and force are;
 //! * [`procedure`]: all steps; [`draft`]: the vehicle while it is identified; [`account`]: each
-//!   value with its origin, and what remains unknown; [`identified`]: the result;
+//!   value with its origin, and what remains unknown; [`identified`]: the result, of
+//!   [`estimate`]s;
 //! * [`annotated`]: the vehicle file with a comment at each value.
 
 pub mod account;
@@ -14,6 +15,7 @@ pub mod annotated;
 pub mod class;
 pub mod delays;
 pub mod draft;
+pub mod estimate;
 pub mod fit;
 pub mod gears;
 pub mod identified;
@@ -21,5 +23,6 @@ pub mod observation;
 pub mod procedure;
 pub mod ratio_histogram;
 
-pub use identified::{Estimate, Identified, IdentifiedValue, Origin, Unknown};
+pub use estimate::{Estimate, Unknown};
+pub use identified::{Identified, IdentifiedValue, Origin};
 pub use procedure::{Like, Request, identify};

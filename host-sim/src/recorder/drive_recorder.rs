@@ -1,7 +1,7 @@
 //! Runs the estimator over one drive and stores its output.
 
 use super::innovations::Innovations;
-use super::long_run::{LongRun, Rows, SmoothedRun, no_room};
+use super::long_run::{LongRun, Rows, SmoothedRun};
 use super::placed_samples::PlacedSamples;
 use super::plausibility::Plausibility;
 use super::roads::Roads;
@@ -9,7 +9,7 @@ use super::roadway_grade::RoadwayGrade;
 use crate::error::Result;
 use crate::files::flash_image::RoadMemoryFile;
 use crate::files::run::RunRow;
-use crate::files::spool::Spool;
+use crate::files::spool::{Spool, no_room};
 use crate::files::utc::utc_of;
 use crate::smooth::{Known, MeasurementSink, Samples, SmoothedCell, smooth_pieces};
 use crate::source::can_frame::TimedFrame;

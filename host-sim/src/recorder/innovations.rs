@@ -1,10 +1,9 @@
 //! The measurements of a drive beside what the filter predicted.
 
-use super::long_run::no_room;
 use crate::error::Result;
 use crate::files::csv::CsvTable;
 use crate::files::output::Staged;
-use crate::files::spool::{Spool, blocks};
+use crate::files::spool::{Spool, blocks, no_room};
 use crate::numeric::rounding::round;
 use estimator_core::filter::{Measurand, Measurement};
 use estimator_core::{CellEnd, Instant};

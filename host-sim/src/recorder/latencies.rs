@@ -2,10 +2,9 @@
 
 use estimator_core::Duration;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 /// A latency, in units of 10 ms.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Latency(u16);
 
 impl From<Duration> for Latency {
@@ -25,29 +24,22 @@ impl Latency {
 #[derive(Debug, Default)]
 pub struct Latencies {
     first: Option<Latency>,
-    /// Number of samples with each, since it was not the first any more.
-    samples: BTreeMap<Latency, usize>,
+    last: Option<Latency>,
+    /// Whether any other than the first was in use.
+    was_learned: bool,
 }
 
 impl Latencies {
     /// Takes the latency of the next sample.
     pub fn note(&mut self, latency: Latency) {
         let first = *self.first.get_or_insert(latency);
-        if latency != first || !self.samples.is_empty() {
-            *self.samples.entry(latency).or_default() += 1;
-        }
+        self.was_learned |= latency != first;
+        self.last = Some(latency);
     }
 
-    /// Returns the latency of the drive, if any other than the first was in use: the median since
-    /// then. A receiver has one latency; what a part of the drive shows of it scatters.
+    /// Returns the latency of the drive, if any other than the first was in use: the last, which the
+    /// whole drive shows.
     pub fn learned(&self) -> Option<Latency> {
-        let mut left = self.samples.values().sum::<usize>() / 2;
-        for (latency, count) in &self.samples {
-            if left < *count {
-                return Some(*latency);
-            }
-            left -= count;
-        }
-        None
+        self.last.filter(|_| self.was_learned)
     }
 }

@@ -4,9 +4,9 @@ use super::innovations::Innovations;
 use super::plausibility::Warning;
 use super::roads::LearnedRoads;
 use super::roadway_grade::RoadwayComparison;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::files::run::{RunRow, RunRows};
-use crate::files::spool::{Spool, blocks};
+use crate::files::spool::{Spool, blocks, no_room};
 use crate::smooth::Disagreements;
 use crate::source::log_report::LogReport;
 use estimator_core::roadmap::MapCounters;
@@ -119,9 +119,4 @@ impl RunRows for Rows {
         }
         Ok(())
     }
-}
-
-/// Returns the error for a temporary file that cannot be written or read back.
-pub(super) fn no_room(error: io::Error) -> Error {
-    Error::io(&tempfile::env::temp_dir())(error)
 }

@@ -227,12 +227,15 @@ fn logs_that_are_missing_or_broken_are_named() {
         &format!("time_s,wheel_speed_mps,traction_force_n\n{standing}"),
     );
     let empty = file("empty.log", "");
-    let broken = file("broken.log", "(1.0) can0 0CF00400#01\nwhat is this\n");
+    let broken = file(
+        "broken.log",
+        "(1.0) can0 0CF00400#01\n(1.1) can0 what is this\n",
+    );
     for (log, words) in [
         (&missing, ["missing.log", "No such file"]),
         (&standing, ["standing.csv", "does not move"]),
         (&empty, ["empty.log", ""]),
-        (&broken, ["broken.log", "2"]),
+        (&broken, ["broken.log:2", "expected 3 hexadecimal digits"]),
     ] {
         refused(diagnose(vehicle, &out).arg(one).arg(log), &out, 1, &words);
     }

@@ -225,10 +225,10 @@ fn logs_that_lack_what_is_needed_are_refused_by_name() {
         (0..=255_u8).cycle().take(5000).collect::<Vec<u8>>(),
     )
     .unwrap();
-    refused(&binary, "expected");
+    refused(&binary, "unknown format, begins with `");
     let prose = folder.path().join("prose.log");
     fs::write(&prose, "Dear truck,\nhow are you?\n").unwrap();
-    refused(&prose, "prose.log:1");
+    refused(&prose, "unknown format, begins with `Dear truck,`");
     refused(&folder.path().join("absent.log"), "No such file");
 }
 

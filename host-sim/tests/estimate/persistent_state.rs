@@ -278,12 +278,12 @@ fn an_unusable_file_is_refused_by_name_and_nothing_changes() {
     let mut damaged = left.clone();
     damaged[30] ^= 4;
     refused("two", &damaged, "damaged");
-    refused("two", &left[..20], "20 bytes: expected 84");
-    refused("two", b"", "0 bytes: expected 84");
+    refused("two", &left[..20], "20 bytes: expected 100");
+    refused("two", b"", "0 bytes: expected 100");
     refused("two", b"time_s,distance_m\n", "not a persistent state");
     let mut later = left.clone();
-    later[4] = 4;
-    refused("two", &later, "version 4: expected 3");
+    later[4] = 5;
+    refused("two", &later, "version 5: expected 4");
     refused("other", &left, "another vehicle");
 
     let vehicle = folder.join("two.vehicle.toml");

@@ -91,7 +91,7 @@ fn a_log_that_cannot_be_read_is_left_out_of_the_identification_too() {
         .success()
         .stderr(contains("warning: left out: empty.log: the file is empty"))
         .stderr(contains(
-            "warning: left out: noise.log:1: no time in brackets",
+            "warning: left out: noise.log: unknown format, begins with `",
         ));
     let map = ["map", "--out", "out"];
     roadgrade(path, &[&map[..], &logs].concat())

@@ -21,6 +21,8 @@ pub struct LateDrive {
     pub estimator: Estimator<f32>,
     /// Source address of the receiver.
     pub receiver: u8,
+    /// Whether a clutch opens every twenty seconds, and the torque comes back within one.
+    pub shifts: bool,
     noise: Noise,
     force_n: f32,
     until_s: f32,
@@ -33,6 +35,7 @@ impl LateDrive {
         Self {
             estimator,
             receiver: 0x1c,
+            shifts: false,
             noise: Noise(seed),
             force_n: 0.0,
             until_s: 0.0,
@@ -60,7 +63,13 @@ impl LateDrive {
             // Back to 15 m/s in the mean.
             self.force_n = 4_000.0 * (15.0 - mps) + 12_000.0 * self.noise.draw();
         }
-        self.past.push((mps, metres, self.force_n));
+        let since_shift_s = now_s % 20.0;
+        let passed = if self.shifts {
+            (since_shift_s - 0.8).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
+        self.past.push((mps, metres, passed * self.force_n));
 
         let (ground_mps, then_m, _) = self.before(late.receiver_s);
         let (_, _, reported_n) = self.before(late.traction_s);

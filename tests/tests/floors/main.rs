@@ -233,6 +233,8 @@ fn few_files_write_to_a_covariance() {
         "filter/adjoint.rs",
         "filter/covariance.rs",
         "filter/dynamics.rs",
+        "filter/measurement/speed.rs",
+        "filter/measurement/update.rs",
         "filter/noise.rs",
         "filter/prior.rs",
         "filter/slow_states.rs",

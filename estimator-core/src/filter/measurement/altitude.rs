@@ -1,7 +1,7 @@
 //! Altitude of a GNSS receiver.
 
+use super::applied::Update;
 use super::row::Row;
-use super::update::Update;
 use crate::filter::cell_input::Reading;
 use crate::filter::state::{Quantity, State};
 use crate::filter::state_index::StateIndex::{Altitude, FastGnssError, SlowGnssError};

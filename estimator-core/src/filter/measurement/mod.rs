@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `row` | the states that a measurement sees |
 //! | `update` | the scalar update that all of them use |
+//! | `applied` | what it leaves |
 //! | `speed` | v²/2, from wheels or shaft |
 //! | `altitude` | altitude of a GNSS receiver |
 //! | `slope` | a slope that was measured directly: pitch sensor, vertical speed |
@@ -12,6 +13,7 @@
 //! work of a cell.
 
 pub(super) mod altitude;
+mod applied;
 mod row;
 pub(super) mod slope;
 pub(super) mod speed;
@@ -21,8 +23,8 @@ use super::cell_input::CellInput;
 use super::noise::CellNoise;
 use super::state::Record;
 use crate::scalar::Scalar;
+pub use applied::Update;
 pub(super) use row::Row;
-pub use update::Update;
 
 /// What a measurement measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! A slope that was measured directly: by the vertical speed, or by a pitch sensor.
 
+use super::applied::Update;
 use super::row::Row;
-use super::update::Update;
 use crate::filter::cell_input::CellInput;
 use crate::filter::state::{Quantity, State};
 use crate::filter::state_index::StateIndex::{Bias, DoubtfulForce, Retarder, Scale, Slope, Wind};

@@ -1,7 +1,7 @@
 //! Speed of wheels or shaft, as v²/2.
 
+use super::applied::Update;
 use super::row::Row;
-use super::update::Update;
 use crate::cell::CELL_LENGTH_M;
 use crate::filter::cell_input::CellInput;
 use crate::filter::state::State;

@@ -1,38 +1,10 @@
 //! The scalar update of the filter.
 
+use super::applied::{Fate, Update};
 use crate::filter::covariance::StateVector;
 use crate::filter::state::State;
 use crate::filter::state_index::STATES;
 use crate::scalar::Scalar;
-
-/// A scalar update.
-#[derive(Clone, Copy, Debug)]
-pub struct Update<S> {
-    /// Innovation ν.
-    pub innovation: S,
-    /// Innovation variance h P h' + R.
-    pub innovation_variance: S,
-    /// Gain P h' over the innovation variance; zero if the measurement was left out.
-    pub gain: StateVector<S>,
-    fate: Fate,
-}
-
-/// What became of a measurement. No value is zero, so that `None` of an update is: an empty record then
-/// takes no flash.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Fate {
-    Used = 1,
-    /// Beyond the gate.
-    LeftOut = 2,
-}
-
-impl<S: Scalar> Update<S> {
-    /// Returns it if the measurement was used.
-    #[inline(always)]
-    pub fn used(&self) -> Option<&Self> {
-        (self.fate == Fate::Used).then_some(self)
-    }
-}
 
 impl<S: Scalar> State<S> {
     /// Updates with a measurement whose covariance with the states is `cross`. It is left out if its

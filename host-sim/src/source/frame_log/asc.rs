@@ -213,6 +213,7 @@ impl Asc {
 
     /// Parses what stands behind `CANFD`: `1 Rx 18FEF100x 0 0 8  8 01 … 08  130000 130 0 …`, a CAN FD frame
     /// if the flags say so, which are the third number behind the data.
+    #[inline(never)] // Rare: the lines of classic frames stay short.
     fn fd_event(
         &self,
         micros: i64,
@@ -286,6 +287,9 @@ fn remote_frame(id: Id, words: &mut Words) -> Parsed<CanFrame> {
 /// Returns true for a length of more than 8 with more than 8 bytes behind it: a CAN FD frame that a
 /// converter wrote as a classic one. A classic frame may have such a length too, and 8 bytes.
 fn is_flexible_rate(length: Option<&[u8]>, words: &Words) -> bool {
+    if matches!(length, Some([b'0'..=b'8'])) {
+        return false;
+    }
     let is_long = length.and_then(|word| number(word, 16)) > Some(8);
     let is_byte = |word: &[u8]| word.len() <= 3 && number(word, 16).is_some();
     is_long && Words(words.0).take_while(|word| is_byte(word)).count() > 8

@@ -29,7 +29,17 @@ impl<'a> Iterator for Words<'a> {
 /// Returns the value of `12.345678`, or with a comma as the decimal point, times 10 to the power of `places`; digits below that are cut.
 /// `None` if it is not such a number.
 pub(super) fn fixed_point(word: &[u8], places: usize) -> Option<u64> {
-    let point = word.iter().position(|byte| matches!(byte, b'.' | b','));
+    fixed_point_at(word, point_of(word), places)
+}
+
+/// Returns where the decimal point of a number is.
+#[inline]
+fn point_of(word: &[u8]) -> Option<usize> {
+    word.iter().position(|byte| matches!(byte, b'.' | b','))
+}
+
+#[inline] // For each line.
+fn fixed_point_at(word: &[u8], point: Option<usize>, places: usize) -> Option<u64> {
     let (whole, fraction) = match point {
         Some(at) => (word.get(..at)?, word.get(at + 1..)?),
         None => (word, &b""[..]),
@@ -86,22 +96,28 @@ impl FractionDigits {
     }
 
     /// Reads seconds in microseconds.
+    #[inline]
     pub(super) fn micros(&mut self, word: &[u8]) -> Option<i64> {
-        let point = word.iter().position(|byte| matches!(byte, b'.' | b','));
-        let digits = point.map_or(0, |at| word.len() - at - 1);
-        if !self.is_overflow(digits) {
-            return signed_fixed_point(word, 6);
+        let (digits, is_negative) = match word {
+            [b'-', digits @ ..] => (digits, true),
+            digits => (digits, false),
+        };
+        let point = point_of(digits);
+        let places = point.map_or(0, |at| digits.len() - at - 1);
+        if self.is_overflow(places) {
+            let (whole, fraction) = digits.split_at(point?);
+            let fraction = number(fraction.get(1..)?, 10)?;
+            let whole = i64::try_from(fixed_point(whole, 6)?).ok()?;
+            return overflowed(whole, fraction).filter(|_| !is_negative);
         }
-        let (whole, fraction) = word.split_at(point?);
-        let fraction = number(fraction.get(1..)?, 10)?;
-        let seconds = signed_fixed_point(whole, 6)?;
-        overflowed(seconds, fraction)
+        let micros = i64::try_from(fixed_point_at(digits, point, 6)?).ok()?;
+        Some(if is_negative { -micros } else { micros })
     }
 }
 
 /// Returns the microseconds of seconds and a count that may be more than one.
 pub(super) fn overflowed(whole_us: i64, fraction_us: u32) -> Option<i64> {
-    (whole_us >= 0 && fraction_us < 2_000_000).then(|| whole_us + i64::from(fraction_us))
+    (fraction_us < 2_000_000).then(|| whole_us + i64::from(fraction_us))
 }
 
 /// Returns the value of a word of digits only.

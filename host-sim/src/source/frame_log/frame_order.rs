@@ -6,8 +6,8 @@
 use super::frame_reader::LoggedFrame;
 use std::collections::VecDeque;
 
-/// Most frames that wait: 8 MiB, some minutes of a bus.
-const MOST_WAITING: usize = 1 << 18;
+/// Most frames that wait: with the next one 8 MiB, some minutes of a bus.
+const MOST_WAITING: usize = (1 << 18) - 1;
 /// Most runs. Beyond them, all frames that wait are sorted into one.
 const MOST_RUNS: usize = 4096;
 

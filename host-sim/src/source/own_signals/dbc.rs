@@ -2,8 +2,9 @@
 
 use super::dbc_attributes::Attributes;
 use super::dbc_message::DbcMessage;
-use super::dbc_statement::{SignalStatement, message, signal, signal_name};
+use super::dbc_statement::{message, signal, signal_name};
 use super::dbc_text::{behind, decoded, marked, statements, word};
+use super::message_parts::MessageParts;
 use crate::error::{Error, Result, without_controls};
 use crate::files::left_out::LeftOut;
 use crate::files::limits::read_bytes;
@@ -24,24 +25,6 @@ pub struct Dbc {
     path: PathBuf,
     messages: Vec<DbcMessage>,
     left_out: LeftOut,
-}
-
-/// A part of a message; or, why it cannot be read.
-type Read<T> = std::result::Result<T, String>;
-/// The name of a switch, and pairs of the least and the greatest number that select a signal.
-type Selection = (String, Vec<(u64, u64)>);
-
-/// What the statements of a message say.
-#[derive(Debug)]
-pub(super) struct MessageParts {
-    pub number: u32,
-    pub name: String,
-    /// By name, in the order of the file.
-    pub signals: Vec<(String, Read<SignalStatement>)>,
-    /// Kinds of numbers (`SIG_VALTYPE_`), by signal.
-    pub kinds: BTreeMap<String, Read<NumberKind>>,
-    /// Switches (`SG_MUL_VAL_`), by signal.
-    pub switches: BTreeMap<String, Read<Selection>>,
 }
 
 impl Dbc {

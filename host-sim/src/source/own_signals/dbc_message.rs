@@ -1,9 +1,9 @@
 //! Messages and signals of a `.dbc` file, with the place of each number worked out.
 
-use super::dbc::MessageParts;
 use super::dbc_attributes::Attributes;
 use super::dbc_statement::SignalStatement;
 use super::dbc_text::EXTENDED;
+use super::message_parts::MessageParts;
 use estimator_core::signal::Pgn;
 use estimator_core::signal::own_message::{FrameMatch, Multiplexer};
 use estimator_core::signal::raw_field::{self, NumberKind, RawField};

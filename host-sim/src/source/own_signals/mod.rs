@@ -8,6 +8,7 @@ mod dbc_text;
 mod lines;
 mod mapping;
 mod mapping_file;
+mod message_parts;
 mod message_reference;
 pub mod units;
 

@@ -4,5 +4,6 @@ pub mod extract;
 pub mod node_altitudes;
 mod osm_xml;
 mod pbf;
+pub mod roads;
 pub mod tags;
 pub(super) mod xml;

@@ -6,8 +6,8 @@
 //! an osmChange (<https://wiki.openstreetmap.org/wiki/OsmChange>) that `osmium apply-changes` puts
 //! into a copy of the extract. OpenStreetMap itself does not want such tags.
 
-use super::extract::OsmExtract;
 use super::pbf::for_each_block;
+use super::roads::OsmExtract;
 use super::xml::Attribute;
 use crate::error::{Error, Result};
 use crate::files::output::{Staged, stage as stage_file};

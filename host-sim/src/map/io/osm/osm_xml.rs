@@ -1,6 +1,6 @@
 //! OpenStreetMap as XML (<https://wiki.openstreetmap.org/wiki/OSM_XML>).
 
-use super::extract::Roads;
+use super::roads::Roads;
 use crate::error::Result;
 use crate::map::io::xml_steps::{Step, for_each_step};
 use std::collections::BTreeMap;
