@@ -123,8 +123,7 @@ pub fn run(args: &Args) -> Result<()> {
 pub(super) fn session(argument: &str) -> std::result::Result<NamedSession, String> {
     let expected = "expected NAME=RUN.csv,RUN.csv";
     let (name, runs) = argument.split_once('=').ok_or(expected)?;
-    check_session_name(name)
-        .map_err(|flaw| format!("{}; expected {}", flaw.problem, flaw.expected))?;
+    check_session_name(name).map_err(|flaw| flaw.to_string())?;
     let runs: Vec<PathBuf> = runs.split(',').map(PathBuf::from).collect();
     if runs.iter().any(|path| path.as_os_str().is_empty()) {
         return Err(expected.to_owned());

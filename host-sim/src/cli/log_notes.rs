@@ -38,7 +38,7 @@ fn note_damage(log: &Path, report: &LogReport) {
     }
 }
 
-/// Tells the statements that were left out of a description of the bus.
+/// Prints a note of the statements that were left out of a description of the bus.
 pub fn note_left_out(path: &Path, left_out: &LeftOut) {
     let statements = match left_out.count() {
         0 => return,

@@ -1,5 +1,7 @@
 //! What is wrong with a row.
 
+use std::fmt;
+
 /// A problem of a row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Flaw {
@@ -7,4 +9,10 @@ pub struct Flaw {
     pub problem: String,
     /// The expected value.
     pub expected: &'static str,
+}
+
+impl fmt::Display for Flaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}; expected {}", self.problem, self.expected)
+    }
 }

@@ -1,6 +1,7 @@
 //! What a file is, by its first bytes: for messages about files in the wrong place.
 
 use super::log_format::{LogFormat, format_of};
+use super::marks::GZIP_MAGIC;
 use crate::error::Error;
 use estimator_core::{Signal, Tuning};
 use flate2::read::MultiGzDecoder;
@@ -11,7 +12,6 @@ use std::path::Path;
 
 /// Bytes that are looked at.
 const HEAD_BYTES: u64 = 16 << 10;
-const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 /// First bytes of a Parquet file.
 pub const PARQUET_MAGIC: &[u8] = b"PAR1";
 
@@ -165,7 +165,7 @@ pub(crate) fn explained(error: Error, path: &Path, expected: &[Kind]) -> Error {
 fn head(path: &Path) -> std::io::Result<Vec<u8>> {
     let mut head = Vec::new();
     File::open(path)?.take(HEAD_BYTES).read_to_end(&mut head)?;
-    if head.starts_with(&GZIP_MAGIC) {
+    if head.starts_with(GZIP_MAGIC) {
         let mut inside = Vec::new();
         // The head of a gzip file ends early, and what is before that is enough.
         let _ = MultiGzDecoder::new(&head[..])

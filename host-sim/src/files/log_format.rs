@@ -1,8 +1,9 @@
 //! The format of a recording of a bus, by its first bytes.
 
+use super::marks::{BYTE_ORDER_MARK, ZIP_MAGIC};
 use std::path::Path;
 
-/// A format that its first bytes tell.
+/// A format that is known by its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LogFormat {
     /// Either layout of candump.
@@ -26,9 +27,9 @@ pub(crate) const BLF_MAGIC: &[u8] = b"LOGG";
 /// First bytes of an MDF file; the second ones of a file that its writer did not finish.
 const MDF_MAGIC: [&[u8]; 2] = [b"MDF     4", b"UnFinMF 4"];
 
-/// Formats that are not read: first bytes, and what to tell the user.
+/// Formats that are not read: first bytes, and the message.
 const FOREIGN: [(&[u8], &str); 12] = [
-    (b"PK\x03\x04", "is a zip archive; unpack it first"),
+    (ZIP_MAGIC, "is a zip archive; unpack it first"),
     (b"BZh", "is compressed with bzip2; unpack it first"),
     (b"\xfd7zXZ\0", "is compressed with xz; unpack it first"),
     (b"7z\xbc\xaf\x27\x1c", "is a 7z archive; unpack it first"),
@@ -57,8 +58,8 @@ const PCAP: &str = "is a packet capture (PCAP), which is not read; expected a lo
 pub(crate) const KNOWN: &str = "candump, Vector ASC and BLF, PEAK TRC, ASAM MDF 4, the CSV of SavvyCAN and \
                                 python-can, and signal tables with a column time_s";
 
-/// Returns the format of a file that begins with these bytes; `None` if they do not tell. Of a text, it
-/// is the one that most lines are of: a log may begin with comments or events.
+/// Returns the format of a file that begins with these bytes; `None` if it is none of these. The format of
+/// a text is that of most of its lines: a log may begin with comments or events.
 #[must_use]
 pub fn format_of(head: &[u8]) -> Option<LogFormat> {
     if head.starts_with(BLF_MAGIC) {
@@ -67,7 +68,7 @@ pub fn format_of(head: &[u8]) -> Option<LogFormat> {
     if MDF_MAGIC.iter().any(|magic| head.starts_with(magic)) {
         return Some(LogFormat::Mdf);
     }
-    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
     let mut votes: Vec<(LogFormat, usize)> = Vec::new();
     for line in text.split(|byte| *byte == b'\n') {
         let Some(format) = format_of_line(line.trim_ascii()) else {
@@ -160,15 +161,14 @@ fn is_asc_line(line: &[u8]) -> bool {
         }
 }
 
-/// Returns what to tell the user of a file that begins with these bytes, if they tell a format that
-/// is not read.
+/// Returns the message for a file that begins with these bytes, if its format is known and not read.
 #[must_use]
 pub fn foreign(head: &[u8]) -> Option<&'static str> {
     let known = FOREIGN.iter().find(|(magic, _)| head.starts_with(magic));
     known.map(|(_, advice)| *advice)
 }
 
-/// Returns what to tell the user of a file whose name tells a format that is not read.
+/// Returns the message for a file whose extension is that of a format that is not read.
 #[must_use]
 pub fn foreign_by_name(path: &Path) -> Option<&'static str> {
     let extension = path.extension()?.to_str()?;

@@ -12,6 +12,7 @@ pub mod left_out;
 pub mod limits;
 pub mod lock;
 pub mod log_format;
+pub(crate) mod marks;
 pub mod nearest;
 #[cfg(all(unix, feature = "s3"))]
 pub mod object_storage;

@@ -1,7 +1,6 @@
 //! Small numeric tools: series, local fits, a robust line, rounding, slope angles.
 
 pub mod local_fit;
-pub mod quick_hash;
 pub mod robust_line;
 pub mod rounding;
 pub mod series;

@@ -4,6 +4,7 @@ use super::log_stream::unpacked;
 use super::packing::{Joint, Packing, RawState};
 use crate::error::{Error, Result};
 use crate::files::limits::is_over_budget;
+use crate::files::marks::BYTE_ORDER_MARK;
 use encoding_rs_io::DecodeReaderBytes;
 use std::fs::File;
 use std::io::{self, Cursor, ErrorKind, Read};
@@ -16,8 +17,6 @@ const BOMB_RATIO: u64 = 400;
 
 /// Bytes that decide on the kind of a log, those inside of a packed file.
 const HEAD_BYTES: u64 = 4 << 10;
-/// Mark of UTF-8, with which some programs begin a text.
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Marks of UTF-16.
 const WIDE_MARKS: [&[u8]; 2] = [b"\xff\xfe", b"\xfe\xff"];
 /// The name of standard input.

@@ -3,10 +3,8 @@
 use super::packed_bytes::{ZSTD_MAGIC, is_skippable};
 use super::packed_members::Members;
 use super::packing::{Packing, RawState};
+use crate::files::marks::GZIP_MAGIC;
 use std::io::{self, Cursor, ErrorKind, Read};
-
-/// First bytes of a gzip file.
-const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
 
 /// Counts the packed bytes.
 struct Counting<R> {

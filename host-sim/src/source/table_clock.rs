@@ -1,6 +1,6 @@
 //! The times of a signal table, whether it is CSV or Parquet.
 
-use super::frame_log::Seconds;
+use super::frame_log::{Seconds, moved_to_zero};
 use estimator_core::Instant;
 
 /// Beyond this many seconds `f64` does not resolve microseconds well.
@@ -56,13 +56,6 @@ impl TableClock {
 
     /// Returns what was done to the times, in words.
     pub(super) fn mended(&self) -> Vec<String> {
-        let negative = self.first_us.filter(|first_us| *first_us < 0);
-        let words = |first| {
-            format!(
-                "times begin at {}; moved to begin with zero",
-                Seconds(first)
-            )
-        };
-        negative.map(words).into_iter().collect()
+        moved_to_zero(self.first_us).into_iter().collect()
     }
 }

@@ -1,6 +1,7 @@
 //! The files of elevation tiles in a folder: under which names they are, and how they are packed.
 
 use crate::error::{Error, Result};
+use crate::files::marks::{GZIP_MAGIC, ZIP_MAGIC};
 use flate2::read::{DeflateDecoder, MultiGzDecoder};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -14,9 +15,6 @@ pub(super) const MOST_BYTES: u64 = 2 * 3601 * 3601;
 const DEEPEST: usize = 3;
 /// Most files that are looked at. The land of the world has 14,000 tiles.
 const MOST_FILES: usize = 200_000;
-/// First bytes of packed files.
-const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
-const ZIP_MAGIC: &[u8] = b"PK\x03\x04";
 
 /// The south-western corner of a tile, deg.
 pub(super) type Corner = (i8, i16);
@@ -105,7 +103,7 @@ pub(super) fn read_unpacked(path: &Path) -> Result<Vec<u8>> {
     }
 }
 
-/// Returns the content of the first entry of a zip archive (PKWARE's APPNOTE, 4.3.7) that is a tile.
+/// Returns the content of the first entry of a zip archive that is a tile.
 fn zip_entry<'a>(mut archive: impl Read + 'a) -> io::Result<Box<dyn Read + 'a>> {
     const HEADER_BYTES: usize = 30;
     let wrong = |words: &str| io::Error::new(io::ErrorKind::InvalidData, words.to_owned());

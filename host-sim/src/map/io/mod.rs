@@ -16,6 +16,7 @@ pub mod network_file;
 pub mod network_geojson;
 mod network_gpx;
 mod network_kml;
+mod network_track;
 pub mod osm;
 pub mod packed;
 pub mod placed_file;

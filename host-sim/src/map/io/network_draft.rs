@@ -1,6 +1,7 @@
 //! The ways of a network while it is read.
 
 use crate::files::left_out::LeftOut;
+use crate::files::row_check;
 use crate::map::geometry::network::Network;
 use crate::map::geometry::network_size::NetworkSize;
 use crate::map::geometry::plane::chord_m;
@@ -11,6 +12,15 @@ use std::collections::BTreeMap;
 
 /// Latitude and longitude, deg.
 pub(super) type Position = (f64, f64);
+
+/// Returns a position on Earth.
+///
+/// # Errors
+/// Returns an error that names the angle that is out of range.
+pub(super) fn position(latitude_deg: f64, longitude_deg: f64) -> Result<Position, String> {
+    row_check::position(latitude_deg, longitude_deg).map_err(|flaw| flaw.to_string())?;
+    Ok((latitude_deg, longitude_deg))
+}
 
 /// A way as a file has it.
 #[derive(Debug)]

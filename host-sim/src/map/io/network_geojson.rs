@@ -1,11 +1,11 @@
 //! A network as the lines of a GeoJSON file (RFC 7946), or of a sequence of them (RFC 8142).
 
-use super::network_draft::{DraftWay, NetworkDraft, Position as Place};
+use super::network_draft::{self, DraftWay, NetworkDraft, Position as Place};
 use super::osm::tags;
 use super::way_file::check_way;
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
-use crate::files::row_check;
+use crate::files::marks::BYTE_ORDER_MARK;
 use geojson::feature::Id;
 use geojson::{Feature, Position, Value as Shape};
 use serde::Deserializer;
@@ -35,8 +35,6 @@ const EXTENSIONS: [&str; 7] = [
 ];
 /// The mark before each object of a sequence. No text of JSON has it.
 const RECORD_SEPARATOR: u8 = 0x1e;
-/// A mark of UTF-8, with which some programs begin a text.
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Returns true if the extension is that of GeoJSON.
 #[must_use]
@@ -267,7 +265,7 @@ fn name_of(feature: &Feature) -> std::result::Result<Option<String>, String> {
         (Some(other), _) => return Err(format!("way is {other}; expected a text or a number")),
         (None, None) => return Ok(None),
     };
-    check_way(&name).map_err(|flaw| format!("{}; expected {}", flaw.problem, flaw.expected))?;
+    check_way(&name).map_err(|flaw| flaw.to_string())?;
     Ok(Some(name))
 }
 
@@ -299,7 +297,5 @@ fn point(position: &Position) -> std::result::Result<Place, String> {
     let [longitude_deg, latitude_deg, ..] = *position.as_slice() else {
         return Err("expected longitude and latitude".to_owned());
     };
-    row_check::position(latitude_deg, longitude_deg)
-        .map_err(|flaw| format!("{}; expected {}", flaw.problem, flaw.expected))?;
-    Ok((latitude_deg, longitude_deg))
+    network_draft::position(latitude_deg, longitude_deg)
 }

@@ -1,18 +1,15 @@
 //! A network as the lines of a KML file (OGC 12-007r2).
 
-use super::network_draft::{DraftWay, NetworkDraft, Position};
+use super::network_draft::{NetworkDraft, Position, position};
+use super::network_track::DraftTrack;
 use super::xml_steps::{Step, for_each_step};
 use crate::error::{Error, Result};
-use crate::files::row_check;
-use crate::map::geometry::way_name::WayDirection;
 use std::path::Path;
 
 /// A placemark so far.
 #[derive(Default)]
 struct Placemark {
-    name: String,
-    parts: Vec<Vec<Position>>,
-    problem: Option<String>,
+    draft: DraftTrack,
     /// Elements that are open within it.
     open: Vec<String>,
     /// Text of the innermost element.
@@ -35,16 +32,14 @@ pub(super) fn read(path: &Path) -> Result<NetworkDraft> {
                 placemark = Some(Placemark::default());
             }
             (Step::Close("Placemark"), Some(_)) => {
-                placemark
-                    .take()
-                    .unwrap_or_default()
-                    .end(count, &mut draft)?;
+                let whole = placemark.take().unwrap_or_default();
+                whole.draft.end("placemark", count, &mut draft)?;
             }
             (Step::Open(name, _), Some(placemark)) => {
                 placemark.open.push(name.to_owned());
                 placemark.text.clear();
                 if name == "Track" {
-                    placemark.parts.push(Vec::new());
+                    placemark.draft.begin_part();
                 }
             }
             (Step::Text(text), Some(placemark)) => placemark.text.push_str(text),
@@ -68,44 +63,16 @@ impl Placemark {
         let within = self.open.last().map(String::as_str);
         let text = std::mem::take(&mut self.text);
         match (name, within) {
-            ("name", None) => text.trim().clone_into(&mut self.name),
+            ("name", None) => text.trim().clone_into(&mut self.draft.name),
             ("coordinates", Some("LineString")) => {
-                let points = text.split_whitespace().map(|words| point(words, ','));
-                match points.collect() {
-                    Ok(points) => self.parts.push(points),
-                    Err(problem) => {
-                        self.problem.get_or_insert(problem);
-                    }
+                self.draft.begin_part();
+                for words in text.split_whitespace() {
+                    self.draft.add(point(words, ','));
                 }
             }
-            ("coord", Some("Track")) => match (point(text.trim(), ' '), self.parts.last_mut()) {
-                (Ok(point), Some(part)) => part.push(point),
-                (Err(problem), _) => {
-                    self.problem.get_or_insert(problem);
-                }
-                _ => {}
-            },
+            ("coord", Some("Track")) => self.draft.add(point(text.trim(), ' ')),
             _ => {}
         }
-    }
-
-    fn end(self, number: usize, draft: &mut NetworkDraft) -> std::result::Result<(), String> {
-        let name = match &*self.name {
-            "" => format!("placemark {number}"),
-            name => name.to_owned(),
-        };
-        let place = format!("placemark {number}, {name}");
-        if let Some(problem) = self.problem {
-            draft.leave_out(format!("{place}: {problem}"));
-            return Ok(());
-        }
-        let way = DraftWay {
-            name,
-            parts: self.parts,
-            directions: vec![WayDirection::Forward, WayDirection::Backward],
-            structure: None,
-        };
-        draft.add(&place, way)
     }
 }
 
@@ -115,7 +82,5 @@ fn point(text: &str, mark: char) -> std::result::Result<Position, String> {
     let (Some(Some(longitude_deg)), Some(Some(latitude_deg))) = (words.next(), words.next()) else {
         return Err(format!("`{}` is no position", text.escape_debug()));
     };
-    row_check::position(latitude_deg, longitude_deg)
-        .map_err(|flaw| format!("{}; expected {}", flaw.problem, flaw.expected))?;
-    Ok((latitude_deg, longitude_deg))
+    position(latitude_deg, longitude_deg)
 }

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::files::limits::Budget;
+use crate::files::marks::GZIP_MAGIC;
 use flate2::read::MultiGzDecoder;
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
@@ -11,7 +12,6 @@ use std::path::Path;
 
 /// Bytes of one element or text: a line of 2,500 km.
 const ELEMENT_BYTES: usize = 8 << 20;
-const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
 
 /// A step through a file. Names are those without their prefix.
 pub(super) enum Step<'a> {

@@ -108,6 +108,12 @@ pub(in crate::source) trait FrameReader: Send {
     }
 }
 
+/// Returns what is done to times that begin below zero, in words.
+pub(in crate::source) fn moved_to_zero(first_us: Option<i64>) -> Option<String> {
+    let first = Seconds(first_us.filter(|first_us| *first_us < 0)?);
+    Some(format!("times begin at {first}; moved to begin with zero"))
+}
+
 /// A time in microseconds, as candump writes it.
 #[derive(Clone, Copy)]
 pub(in crate::source) struct Seconds(pub(in crate::source) i64);

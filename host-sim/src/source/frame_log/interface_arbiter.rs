@@ -6,10 +6,10 @@
 //! interface. The core arbitrates between what is left.
 
 use super::frame_reader::LoggedFrame;
-use crate::numeric::quick_hash::QuickMap;
 use crate::source::can_frame::CanFrame;
 use crate::source::interfaces::InterfaceIndex;
 use embedded_can::{Frame, Id};
+use rustc_hash::FxHashMap;
 
 /// Silence, µs, after which another interface may stand in, as between sources in the core. Twice the
 /// period of the message is added.
@@ -32,7 +32,7 @@ struct Ownership {
 /// The interface that owns each identifier.
 #[derive(Default)]
 pub(super) struct InterfaceArbiter {
-    identifiers: QuickMap<Ownership>,
+    identifiers: FxHashMap<u32, Ownership>,
 }
 
 fn key_of(frame: &CanFrame) -> u32 {
@@ -50,7 +50,7 @@ impl InterfaceArbiter {
         logged: &LoggedFrame,
         mut following: impl Iterator<Item = &'a LoggedFrame>,
     ) -> bool {
-        let key = u64::from(key_of(&logged.frame));
+        let key = key_of(&logged.frame);
         let Some(ownership) = self.identifiers.get_mut(&key) else {
             let is_older = |other: &LoggedFrame| {
                 other.interface < logged.interface && other.frame == logged.frame

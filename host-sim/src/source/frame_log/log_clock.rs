@@ -6,8 +6,8 @@
 
 use super::frame_reader::{LoggedFrame, Seconds};
 use crate::error::Error;
-use crate::numeric::quick_hash::QuickMap;
 use embedded_can::{Frame, Id};
+use rustc_hash::FxHashMap;
 
 /// Largest disorder of the frames of a message, µs: two senders on a virtual interface, two processors.
 pub(super) const DISORDER_US: i64 = 100_000;
@@ -66,7 +66,7 @@ pub(super) struct LogClock {
     first_is_wrong: bool,
     too_old: u64,
     /// Newest time of each message of each interface, µs.
-    messages: QuickMap<i64>,
+    messages: FxHashMap<u64, i64>,
     held: Option<Held>,
     /// True while times are before a step back that is not mended.
     is_behind: bool,

@@ -22,8 +22,8 @@ mod refusals;
 mod text;
 mod trc;
 
-pub(super) use frame_reader::Seconds;
 pub use frame_reader::Skipped;
+pub(super) use frame_reader::{Seconds, moved_to_zero};
 
 use super::can_frame::TimedFrame;
 use super::damage::Damage;
@@ -308,12 +308,8 @@ impl FrameLog {
 
     /// Returns what was mended of the times, in words.
     fn mended(&self) -> Vec<String> {
-        let negative = self.first_us.filter(|first_us| *first_us < 0);
-        let negative = negative.map(|first_us| {
-            let first = Seconds(first_us);
-            format!("times begin at {first}; moved to begin with zero")
-        });
-        self.clock.mended().chain(negative).collect()
+        let mended = self.clock.mended();
+        mended.chain(moved_to_zero(self.first_us)).collect()
     }
 
     /// Returns what the reading told so far.

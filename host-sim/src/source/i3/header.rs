@@ -1,6 +1,7 @@
 //! The header of a trip's file: which column is where.
 
 use crate::error::{Error, Result};
+use crate::files::marks::BYTE_ORDER_MARK;
 use csv::ByteRecord;
 use std::path::Path;
 
@@ -62,9 +63,6 @@ const COLUMNS: [Column; 6] = [
         lacks: "no ambient temperature",
     },
 ];
-
-/// Marks of UTF-8 before the header.
-const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Where the columns of a file are.
 #[derive(Clone, Debug)]
@@ -129,7 +127,7 @@ fn expected_column(at: usize) -> String {
 
 /// Splits `Name [unit]`, in Latin-1 or UTF-8.
 fn name_and_unit(field: &[u8]) -> (String, String) {
-    let field = field.strip_prefix(UTF8_MARK).unwrap_or(field);
+    let field = field.strip_prefix(BYTE_ORDER_MARK).unwrap_or(field);
     let text = match str::from_utf8(field) {
         Ok(text) => text.to_owned(),
         Err(_) => field.iter().map(|byte| char::from(*byte)).collect(),

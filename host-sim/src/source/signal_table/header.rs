@@ -1,6 +1,7 @@
 //! The header of a table: which column has which signal.
 
 use crate::error::{Error, Result};
+use crate::files::marks::BYTE_ORDER_MARK;
 use crate::files::nearest::nearest_in_words;
 use csv::ByteRecord;
 use estimator_core::Signal;
@@ -8,8 +9,6 @@ use std::path::Path;
 
 /// The time column, in seconds from any origin.
 pub(in super::super) const TIME: &str = "time_s";
-/// Byte order mark, which some spreadsheets write before the header.
-const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// A column of a signal.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +31,7 @@ pub(super) fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<
     let mut time_column = None;
     let mut header_columns = HeaderColumns::default();
     for (index, name) in header.iter().enumerate() {
-        let name = name.strip_prefix(UTF8_MARK).unwrap_or(name);
+        let name = name.strip_prefix(BYTE_ORDER_MARK).unwrap_or(name);
         let name = String::from_utf8_lossy(name);
         let is_twice = if name == TIME {
             time_column.replace(index).is_some()

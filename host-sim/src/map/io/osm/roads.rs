@@ -2,9 +2,9 @@
 
 use super::tags::{directions, is_road, structure};
 use crate::files::left_out::LeftOut;
-use crate::files::row_check;
 use crate::map::geometry::structure::Structure;
 use crate::map::geometry::way_name::WayDirection;
+use crate::map::io::network_draft::position;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -148,7 +148,5 @@ fn node_position(
 ) -> Result<(f64, f64), String> {
     let round = |angle: f64| (angle * STEPS).round() / STEPS;
     let (latitude_deg, longitude_deg) = (round(latitude_deg), round(longitude_deg));
-    row_check::position(latitude_deg, longitude_deg)
-        .map_err(|flaw| format!("node {node}: {}; expected {}", flaw.problem, flaw.expected))?;
-    Ok((latitude_deg, longitude_deg))
+    position(latitude_deg, longitude_deg).map_err(|problem| format!("node {node}: {problem}"))
 }
