@@ -206,6 +206,10 @@ impl Field {
         let raw = (word >> self.shift) << unused >> unused;
         let number = ((raw << unused) as i32) >> unused;
         Some(if self.is_signed() && number < 0 {
+            // All ones: no sender means a step below zero by what fills unused bytes.
+            if number == -1 {
+                return Some(Value::NotAvailable);
+            }
             self.physical(number as f32, || number.into())
         } else if raw < self.error_from {
             self.physical(raw as f32, || raw.into())
@@ -218,9 +222,9 @@ impl Field {
 
     /// Returns the value of eight bytes. Only NMEA 2000 has such fields, and they are signed.
     fn wide(&self, number: i64) -> Value {
-        match i64::MAX - number.max(0) {
-            0 => Value::NotAvailable,
-            1 | 2 => Value::Error,
+        match number {
+            i64::MAX | -1 => Value::NotAvailable,
+            number if number >= i64::MAX - 2 => Value::Error,
             _ => self.physical(number as f32, || number),
         }
     }

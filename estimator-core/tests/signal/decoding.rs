@@ -265,12 +265,27 @@ fn codes_are_no_measurements() {
     for (raw, expected) in [
         (0x7fff_ffff, Value::NotAvailable),
         (0x7fff_fffe, Value::Error),
+        (-1, Value::NotAvailable),
+        (-2, Value::DegreesE7(-2)),
     ] {
         let mut payload = i32::to_le_bytes(raw).to_vec();
         payload.extend(0_i32.to_le_bytes());
         let (readings, _) = decode(&[TestFrame::of_pgn(129_025, 0, &payload)]);
         assert_eq!(value(&readings, Signal::Latitude), expected);
         assert_eq!(value(&readings, Signal::Longitude), Value::DegreesE7(0));
+    }
+}
+
+#[test]
+fn bytes_that_are_all_ones_are_no_place() {
+    for pgn in [129_025, 129_029] {
+        let message = messages().find(|message| message.pgn() == pgn).unwrap();
+        let payload = vec![0xff; message.length().into()];
+        let (readings, _) = decode(&frames_of(pgn, 0, 0, &payload));
+        assert!(readings.len() >= 2, "{pgn}");
+        for reading in readings {
+            assert!(!reading.value.is_available(), "{pgn}: {reading:?}");
+        }
     }
 }
 

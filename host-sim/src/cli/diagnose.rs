@@ -70,7 +70,7 @@ impl Args {
         outputs::check(
             logs.chain(others)
                 .chain(self.tuning.file())
-                .chain(self.reading.own().files()),
+                .chain(self.reading.files()),
             written.iter().map(PathBuf::as_path),
         )
     }

@@ -93,7 +93,7 @@ impl Args {
     fn check_outputs(&self, out: Option<&Path>) -> Result<()> {
         let inputs = [&*self.log, &self.vehicle];
         let inputs = inputs.into_iter().chain(self.tuning.file());
-        let inputs = inputs.chain(self.reading.own().files());
+        let inputs = inputs.chain(self.reading.files());
         let inputs = inputs.chain(self.map.as_deref());
         let others = [
             self.kept.as_deref(),

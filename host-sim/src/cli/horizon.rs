@@ -47,7 +47,7 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let inputs = [&*args.log, &*args.vehicle, &*args.map];
-    let inputs = inputs.into_iter().chain(args.reading.own().files());
+    let inputs = inputs.into_iter().chain(args.reading.files());
     outputs::check(inputs, [&*args.out])?;
     outputs::check_file(&args.out, &["csv"])?;
     let vehicle = VehicleFile::read(&args.vehicle)?;

@@ -54,7 +54,7 @@ pub fn run(args: &Args) -> Result<()> {
     let like = args.like.read()?;
     let inputs = args.logs.iter().map(PathBuf::as_path);
     let inputs = inputs.chain(args.like.file()).chain(args.tuning.file());
-    let inputs = inputs.chain(args.reading.own().files());
+    let inputs = inputs.chain(args.reading.files());
     outputs::check(inputs, [&*args.out])?;
     outputs::check_file(&args.out, &["toml"])?;
     let logs = LogFiles::of(&args.logs)?;

@@ -1,17 +1,22 @@
 //! `roadgrade inspect`.
 
-use super::log_notes;
 use super::log_options::LogOptions;
+use super::{log_notes, outputs};
 use crate::error::{Error, Result};
+use crate::files::output::write_whole;
 use crate::inspect::census::Census;
 use crate::inspect::census_of;
+use crate::inspect::column_census::{ColumnCount, count_columns, proposed_columns};
 use crate::inspect::dbc_census::{DbcCounter, DbcSignalCount};
 use crate::inspect::needs::{Need, needs};
 use crate::inspect::proposal::{Proposal, propose, to_toml};
-use crate::inspect::text::{dbc_text, text};
+use crate::inspect::text::{columns_text, dbc_text, text};
+use crate::source::log::{Log, is_foreign_table};
+use crate::source::log_kind::LogKind;
 use crate::source::log_report::LogReport;
 use crate::source::own_signals::dbc::Dbc;
-use crate::terminal::print::print;
+use crate::source::read_options::ReadOptions;
+use crate::terminal::print::{alert, print};
 use crate::terminal::progress;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -26,7 +31,8 @@ use std::path::{Path, PathBuf};
     after_long_help = "Examples:\n  \
         roadgrade inspect drive.log\n  \
         roadgrade inspect --all drive.log.gz\n  \
-        roadgrade inspect --dbc car.dbc drive.log\n  \
+        roadgrade inspect --dbc car.dbc --out signals.toml drive.log\n  \
+        roadgrade inspect --out columns.toml table.csv\n  \
         roadgrade inspect --json table.csv | jq '.needs[] | select(.presence != \"present\")'"
 )]
 pub struct Args {
@@ -39,6 +45,9 @@ pub struct Args {
     /// estimator does not read are listed.
     #[arg(long)]
     all: bool,
+    /// Write the proposed mapping of own messages (with --dbc) or of the columns of a table.
+    #[arg(long, value_name = "FILE.toml")]
+    out: Option<PathBuf>,
     /// Print everything as one JSON object.
     #[arg(long)]
     json: bool,
@@ -56,6 +65,35 @@ struct Inspection<'a> {
     report: &'a LogReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     dbc: Option<DbcInspection>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    table: Option<TableInspection>,
+}
+
+/// What a table has besides our columns.
+#[derive(Serialize)]
+struct TableInspection {
+    columns: Vec<ColumnCount>,
+    /// Proposed mapping, as a `COLUMNS.toml`.
+    columns_toml: String,
+}
+
+impl TableInspection {
+    fn of(log: &Path, census: &Census) -> Result<Self> {
+        let columns = count_columns(log)?;
+        Ok(Self {
+            columns_toml: proposed_columns(&columns, census),
+            columns,
+        })
+    }
+
+    fn text(&self) -> String {
+        format!(
+            "{}\nA COLUMNS.toml to start from, for --columns: check each column, above all its unit and \
+             its sign.\n\n{}",
+            columns_text(&self.columns),
+            self.columns_toml
+        )
+    }
 }
 
 /// What the log has of a `.dbc` file.
@@ -69,9 +107,9 @@ struct DbcInspection {
 }
 
 impl DbcInspection {
-    fn of(counter: DbcCounter) -> Self {
+    fn of(counter: DbcCounter, census: &Census) -> Self {
         let signals = counter.finish();
-        let proposal = propose(&signals);
+        let proposal = propose(&signals, census);
         Self {
             signals_toml: to_toml(&proposal),
             signals,
@@ -90,6 +128,11 @@ impl DbcInspection {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
+    if let Some(out) = &args.out {
+        outputs::check_file(out, &["toml"])?;
+        let inputs = args.reading.files().chain([args.log.as_path()]);
+        outputs::check(inputs, [out.as_path()])?;
+    }
     let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
     let options = args.reading.inspect_options()?;
     let dbc = args.reading.own().dbc().map(Dbc::read).transpose()?;
@@ -98,17 +141,33 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let mut counter = dbc.as_ref().map(DbcCounter::new);
     let progress = |read| bar.set_position(read);
-    let (kind, census, report) = census_of(&args.log, &options, counter.as_mut(), progress)?;
+    let read = census_of(&args.log, &options, counter.as_mut(), progress);
     bar.finish_and_clear();
+    let (kind, census, report) = match read {
+        Ok(read) => read,
+        Err(error) => return of_foreign_table(args, &options, error),
+    };
     log_notes::note_report(&args.log, &report);
-    let dbc = counter.map(DbcInspection::of);
+    let dbc = counter.map(|counter| DbcInspection::of(counter, &census));
+    let is_foreign = kind == LogKind::SignalTable && !report.ignored_columns.is_empty();
+    let table = (is_foreign && args.log.is_file()).then(|| TableInspection::of(&args.log, &census));
+    let table = table.transpose()?;
+    let proposed = dbc.as_ref().map(|dbc| &dbc.signals_toml);
+    write_proposal(
+        args,
+        proposed.or(table.as_ref().map(|table| &table.columns_toml)),
+    )?;
     let kind = kind.to_string();
     let needs = needs(&census);
     if !args.json {
         let head = format!("{}: {kind}", args.log.display());
         let interfaces = &report.interfaces;
         let dbc = dbc.as_ref().map(DbcInspection::text).unwrap_or_default();
-        return print(&(text(&head, &census, interfaces, &needs, args.all) + &dbc));
+        let table = table
+            .as_ref()
+            .map(TableInspection::text)
+            .unwrap_or_default();
+        return print(&(text(&head, &census, interfaces, &needs, args.all) + &dbc + &table));
     }
     let inspection = Inspection {
         log: &args.log,
@@ -116,9 +175,45 @@ pub fn run(args: &Args) -> Result<()> {
         census: &census,
         needs: &needs,
         dbc,
+        table,
         report: &report,
     };
     let json =
         serde_json::to_string_pretty(&inspection).map_err(|e| Error::io(&args.log)(e.into()))?;
     print(&(json + "\n"))
+}
+
+/// Shows the columns of a table whose header is not understood, and what they may be.
+///
+/// # Errors
+/// Returns `error`, with which the log was refused, if it is none, or if no column may be ours.
+fn of_foreign_table(args: &Args, options: &ReadOptions, error: Error) -> Result<()> {
+    let is_header = || is_foreign_table(&args.log) && Log::open(&args.log, options).is_err();
+    if options.columns.is_some() || !is_header() {
+        return Err(error);
+    }
+    let table = match TableInspection::of(&args.log, &Census::default()) {
+        Ok(table) if table.columns_toml.contains("[columns.") => table,
+        _ => return Err(error),
+    };
+    write_proposal(args, Some(&table.columns_toml))?;
+    alert(format_args!("warning: {error}"));
+    if args.json {
+        let json = serde_json::json!({ "log": args.log, "table": table });
+        return print(&format!("{json:#}\n"));
+    }
+    print(&table.text())
+}
+
+/// Writes the proposed mapping.
+fn write_proposal(args: &Args, proposed: Option<&String>) -> Result<()> {
+    let Some(out) = &args.out else {
+        return Ok(());
+    };
+    let Some(proposed) = proposed.filter(|text| text.contains("\n[")) else {
+        let problem = "nothing to propose: no signal of a .dbc file (--dbc) and no column of a table fits one \
+                       of ours that the log lacks";
+        return Err(Error::content(&args.log, problem));
+    };
+    write_whole(out, |file| file.write_all(proposed.as_bytes()))
 }

@@ -4,6 +4,7 @@ use super::log_notes::note_left_out;
 use crate::error::{Error, Result};
 use crate::source::own_signals::OwnSignals;
 use crate::source::read_options::{ReadOptions, signal_named};
+use crate::source::signal_table::ColumnsFile;
 use estimator_core::Signal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -33,6 +34,10 @@ pub struct LogOptions {
     ignore: Vec<Signal>,
     #[command(flatten)]
     own: OwnOptions,
+    /// Mapping of the columns of tables to our signals; `roadgrade inspect TABLE --out COLUMNS.toml`
+    /// proposes one.
+    #[arg(long, value_name = "COLUMNS.toml")]
+    columns: Option<PathBuf>,
 }
 
 /// Options of own signals.
@@ -106,7 +111,7 @@ impl LogOptions {
     /// # Errors
     /// Returns an error for own signals that cannot be read.
     pub fn read_options(&self) -> Result<ReadOptions> {
-        Ok(self.with(self.own.needed_mapping()?))
+        self.with(self.own.needed_mapping()?)
     }
 
     /// Returns how to read a log for an inspection, for which a description of the bus is enough.
@@ -114,7 +119,12 @@ impl LogOptions {
     /// # Errors
     /// Returns an error for own signals that cannot be read.
     pub fn inspect_options(&self) -> Result<ReadOptions> {
-        Ok(self.with(self.own.mapping()?))
+        self.with(self.own.mapping()?)
+    }
+
+    /// Returns the files that are read besides the log.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.own.files().chain(self.columns.as_deref())
     }
 
     /// Returns the options of own signals.
@@ -122,11 +132,13 @@ impl LogOptions {
         &self.own
     }
 
-    fn with(&self, signals: Option<Arc<OwnSignals>>) -> ReadOptions {
-        ReadOptions {
+    fn with(&self, signals: Option<Arc<OwnSignals>>) -> Result<ReadOptions> {
+        let columns = self.columns.as_deref().map(ColumnsFile::read);
+        Ok(ReadOptions {
             ignore: self.ignore.clone(),
             signals,
+            columns: columns.transpose()?.map(Arc::new),
             ..self.frames.read_options()
-        }
+        })
     }
 }

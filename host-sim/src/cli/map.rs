@@ -93,7 +93,7 @@ fn check_outputs(args: &Args, drives: &[Drive]) -> Result<()> {
         .chain(args.road.as_deref())
         .chain(args.like.file())
         .chain(args.tuning.file())
-        .chain(args.reading.own().files());
+        .chain(args.reading.files());
     let written = files(&args.out, drives);
     outputs::check(inputs, written.iter().map(PathBuf::as_path))
 }

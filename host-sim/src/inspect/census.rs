@@ -4,7 +4,8 @@ use super::pgn_names::{TRANSPORT_MANAGEMENT, name_of};
 use crate::numeric::rounding::round;
 use crate::source::can_frame::{CanFrame, TimedFrame};
 use crate::source::frame_log::Skipped;
-use crate::source::own_signals::OwnSignals;
+use crate::source::frame_readings::FrameReadings;
+use crate::source::obd::ObdCount;
 use crate::source::read_options::ReadOptions;
 use crate::source::signal_table::SignalRow;
 use embedded_can::{Frame, Id};
@@ -12,7 +13,6 @@ use estimator_core::signal::{FrameOutcome, Pgn};
 use estimator_core::{Decoder, Instant, Reading, Signal, Value};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 
 /// Content of a log.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -31,6 +31,10 @@ pub struct Census {
     pub standard_ids: Vec<StandardCount>,
     /// Parameter groups that the transport protocol announced, by ascending PGN.
     pub transported: Vec<TransportedCount>,
+    /// Parameters in diagnostic answers (OBD-II), ascending.
+    pub obd: Vec<ObdCount>,
+    /// Diagnostic answers of another service, or that cannot be taken apart.
+    pub obd_unreadable: u64,
     /// Remote frames; they request data and carry none.
     pub remote_frames: u64,
     /// CAN FD frames; they are skipped.
@@ -93,9 +97,11 @@ pub struct TransportedCount {
 pub struct SignalCount {
     /// Name with unit ([`Signal::column`]).
     pub signal: &'static str,
-    /// Its parameter group; `None` in a signal table and for an own message.
+    /// Its parameter group; `None` in a signal table, for an own message and a
+    /// diagnostic answer.
     pub pgn: Option<u32>,
-    /// Its source address; `None` in a signal table and for an own message.
+    /// Its source address; `None` in a signal table, for an own message and a
+    /// diagnostic answer.
     pub source: Option<u8>,
     /// Number of readings, or of rows of a table.
     pub count: u64,
@@ -240,7 +246,7 @@ pub struct BusCounter {
     transported: BTreeMap<u32, (u64, u16)>,
     /// By signal and, for built-in messages, PGN and source address.
     signals: BTreeMap<(Signal, Option<(u32, u8)>), Range>,
-    own: Option<Arc<OwnSignals>>,
+    readings: FrameReadings,
 }
 
 impl BusCounter {
@@ -251,7 +257,7 @@ impl BusCounter {
         Self {
             left_out: options.ignore.clone(),
             not_built_in: options.ignore.iter().copied().chain(own).collect(),
-            own: options.signals.clone(),
+            readings: FrameReadings::of(options.signals.as_ref()),
             ..Self::default()
         }
     }
@@ -261,7 +267,7 @@ impl BusCounter {
         let TimedFrame { time, frame } = timed;
         self.all.add(*time);
         self.remote += u64::from(frame.is_remote_frame());
-        self.add_own(frame);
+        self.add_readings(timed);
         let pgn = match frame.id() {
             Id::Standard(id) => {
                 self.standard.entry(id.as_raw()).or_default().add(*time);
@@ -291,16 +297,14 @@ impl BusCounter {
         }
     }
 
-    /// Counts the own signals of a frame.
-    fn add_own(&mut self, frame: &CanFrame) {
+    /// Counts the own signals of a frame, and those of a diagnostic answer.
+    fn add_readings(&mut self, timed: &TimedFrame) {
         let (signals, ignored) = (&mut self.signals, &self.left_out);
-        if let Some(own) = &self.own {
-            own.decode(frame, |Reading { signal, value }| {
-                if !ignored.contains(&signal) {
-                    signals.entry((signal, None)).or_default().add(value);
-                }
-            });
-        }
+        self.readings.decode(timed, |Reading { signal, value }| {
+            if !ignored.contains(&signal) {
+                signals.entry((signal, None)).or_default().add(value);
+            }
+        });
     }
 
     /// Returns the census.
@@ -346,6 +350,8 @@ impl BusCounter {
                     length_bytes,
                 })
                 .collect(),
+            obd: self.readings.obd().counts(),
+            obd_unreadable: self.readings.obd().unreadable(),
             remote_frames: self.remote,
             can_fd_frames: skipped.can_fd,
             can_xl_frames: skipped.can_xl,

@@ -1,5 +1,6 @@
 //! A mapping of own signals to start from, by the names, units and ranges of what a log has.
 
+use super::census::Census;
 use super::dbc_census::DbcSignalCount;
 use crate::source::own_signals::units::{contradicts, conversion};
 use crate::source::signal_range::plausible_range;
@@ -166,20 +167,99 @@ pub struct Proposal {
     pub seen: String,
     /// True if the unit is not known, and taken for ours.
     pub is_unit_unknown: bool,
+    /// The largest value, in our unit.
+    #[serde(skip)]
+    pub most: f64,
 }
 
-/// Returns the best signal for each of ours, among those whose name, unit and range fit.
+/// Words of names that mean another number than the quantity itself.
+const NO_QUANTITY: &[&str] = &[
+    "accuracy",
+    "cruise",
+    "demand",
+    "desired",
+    "deviation",
+    "error",
+    "limit",
+    "limiter",
+    "max",
+    "min",
+    "quality",
+    "requested",
+    "set",
+    "sigma",
+    "status",
+    "target",
+    "valid",
+    "validity",
+];
+/// Words of a receiver's messages.
+const RECEIVER: &[&str] = &["gnss", "gps", "nmea"];
+/// The vehicle's own speeds. A receiver's is another one, which checks these.
+const OWN_SPEEDS: [Signal; 3] = [
+    Signal::WheelSpeed,
+    Signal::FrontAxleSpeed,
+    Signal::TachographSpeed,
+];
+/// Largest ratio of the top speeds in one drive by two senders.
+const MOST_RATIO: f64 = 2.0;
+/// Top speed from which on this ratio tells, m/s.
+const FAST_MPS: f64 = 5.0;
+
+/// Returns the best signal for each of ours that `census` does not have, among those whose name, unit
+/// and range fit.
 #[must_use]
-pub fn propose(signals: &[DbcSignalCount]) -> Vec<Proposal> {
+pub fn propose(signals: &[DbcSignalCount], census: &Census) -> Vec<Proposal> {
+    let is_missing = |signal: Signal| census.available(&[signal]) == 0;
+    let has_own_speed = !OWN_SPEEDS.into_iter().all(is_missing);
     let best = |(signal, names): &(Signal, &[&str])| {
+        if !is_missing(*signal) || (has_own_speed && OWN_SPEEDS.contains(signal)) {
+            return None;
+        }
         let fitting = signals.iter().filter_map(|found| {
-            let rank = rank(&found.signal, names)?;
+            let rank = rank_as(*signal, found, names)?;
+            let is_constant = found.min == found.max;
             // A shorter name says less else.
-            Some(((rank, found.signal.len()), proposal(*signal, found)?))
+            let rank = (is_constant, rank, found.signal.len());
+            Some((rank, proposal(*signal, found)?))
         });
         fitting.min_by_key(|(rank, _)| *rank).map(|(_, best)| best)
     };
-    NAMES.iter().filter_map(best).collect()
+    let mut found: Vec<Proposal> = NAMES.iter().filter_map(best).collect();
+    let of = |found: &[Proposal], signal: Signal| {
+        let mut of = found.iter().filter(|found| found.signal == signal.column());
+        of.next().map(|found| found.most)
+    };
+    let top = census.largest(&OWN_SPEEDS);
+    if let Some(top) = top
+        .or_else(|| of(&found, Signal::GnssSpeed))
+        .filter(|top| *top > FAST_MPS)
+    {
+        let is_speed = |found: &Proposal| {
+            let signal = Signal::from_column(found.signal);
+            signal.is_some_and(|signal| signal == Signal::GnssSpeed || OWN_SPEEDS.contains(&signal))
+        };
+        let range = top / MOST_RATIO..=top * MOST_RATIO;
+        found.retain(|found| !is_speed(found) || range.contains(&found.most));
+    }
+    found
+}
+
+/// Returns the rank of a signal's name as one of ours; `None` if it is another one.
+fn rank_as(signal: Signal, found: &DbcSignalCount, names: &[&str]) -> Option<usize> {
+    let of_name = words(&found.signal);
+    let has = |words: &[String], of: &[&str]| words.iter().any(|word| of.contains(&word.as_str()));
+    if has(&of_name, NO_QUANTITY) {
+        return None;
+    }
+    let is_of_receiver = has(&of_name, RECEIVER) || has(&words(&found.message), RECEIVER);
+    match signal {
+        signal if OWN_SPEEDS.contains(&signal) && is_of_receiver => None,
+        Signal::GnssSpeed if is_of_receiver => {
+            rank(&found.signal, names).or_else(|| rank(&found.signal, &["speed", "spd"]))
+        }
+        _ => rank(&found.signal, names),
+    }
 }
 
 /// Returns the place of the first of `names` that a name has.
@@ -238,11 +318,25 @@ fn proposal(signal: Signal, found: &DbcSignalCount) -> Option<Proposal> {
             .trim_end()
             .to_owned(),
         is_unit_unknown: has_unit && known.is_none(),
+        most: (min * scale + offset).max(max * scale + offset),
     })
 }
 
 fn plausible_unit(signal: Signal) -> bool {
     !crate::source::signal_range::unit(signal).is_empty()
+}
+
+impl Proposal {
+    /// Returns what was seen of the signal, as a comment of TOML.
+    pub(super) fn comment(&self) -> String {
+        let doubt = if self.is_unit_unknown {
+            "; its unit is not known: set scale and offset"
+        } else {
+            ""
+        };
+        let seen = self.seen.replace(char::is_control, " ");
+        format!("# seen: {seen}{doubt}\n")
+    }
 }
 
 /// Returns the proposals as a `SIGNALS.toml`.
@@ -254,14 +348,9 @@ pub fn to_toml(proposals: &[Proposal]) -> String {
             .to_owned();
     }
     let tables = proposals.iter().map(|proposal| {
-        let doubt = if proposal.is_unit_unknown {
-            "; its unit is not known: set scale and offset"
-        } else {
-            ""
-        };
         let mut table = format!(
-            "# seen: {}{doubt}\n[signals.{}]\nmessage = {}\nsignal = {}\n",
-            proposal.seen.replace(char::is_control, " "),
+            "{}[signals.{}]\nmessage = {}\nsignal = {}\n",
+            proposal.comment(),
             proposal.signal,
             toml::Value::from(&*proposal.message),
             toml::Value::from(&*proposal.source),

@@ -1,6 +1,7 @@
 //! The tables that `roadgrade inspect` prints.
 
 use super::census::{Census, MessageCount, SignalCount};
+use super::column_census::ColumnCount;
 use super::dbc_census::DbcSignalCount;
 use super::needs::{Importance, Need, Presence};
 use super::pgn_names::{TRANSPORT_DATA, TRANSPORT_MANAGEMENT, name_of};
@@ -31,6 +32,7 @@ pub fn text(
         messages(&mut out, census, limit);
         standard_ids(&mut out, census, limit);
         transported(&mut out, census, limit);
+        diagnostic(&mut out, census);
     }
     signals(&mut out, census);
     missing(&mut out, needs);
@@ -119,6 +121,30 @@ fn messages(out: &mut String, census: &Census, limit: usize) {
     }
     finish(out, &table);
     remainder(out, left.iter().map(|m| m.frames), "parameter groups");
+}
+
+/// Prints the parameters in diagnostic answers.
+fn diagnostic(out: &mut String, census: &Census) {
+    if census.obd.is_empty() {
+        return;
+    }
+    line(out, "\nDiagnostic answers (OBD-II, service 01)");
+    let mut table = table(&["parameter", "name", "answers", "not used", "signal"]);
+    align_right(&mut table, &[2, 3]);
+    for count in &census.obd {
+        table.add_row([
+            count.parameter.clone(),
+            count.name.unwrap_or("-").to_owned(),
+            grouped(count.count),
+            some(count.left_out),
+            count.signal.unwrap_or("").to_owned(),
+        ]);
+    }
+    finish(out, &table);
+    if census.obd_unreadable > 0 {
+        let count = grouped(census.obd_unreadable);
+        line(out, &format!("{count} answers of other services"));
+    }
 }
 
 fn standard_ids(out: &mut String, census: &Census, limit: usize) {
@@ -279,6 +305,26 @@ pub fn dbc_text(signals: &[DbcSignalCount]) -> String {
             grouped(signal.count),
             figure(&signal.signal, signal.min),
             figure(&signal.signal, signal.max),
+        ]);
+    }
+    finish(&mut out, &table);
+    out
+}
+
+/// Returns the columns of a table as a table.
+pub fn columns_text(columns: &[ColumnCount]) -> String {
+    let mut out = String::new();
+    line(&mut out, "\nColumns of the table");
+    let mut table = table(&["column", "unit", "numbers", "min", "max", "other text"]);
+    align_right(&mut table, &[2, 3, 4]);
+    for column in columns {
+        table.add_row([
+            column.column.clone(),
+            column.unit.clone().unwrap_or_default(),
+            grouped(column.numbers),
+            figure(&column.column, column.min),
+            figure(&column.column, column.max),
+            column.text.clone().unwrap_or_default(),
         ]);
     }
     finish(&mut out, &table);

@@ -9,6 +9,7 @@ use crate::files::output::{Staged, Writing};
 use crate::recorder::{LongRun, Recorder};
 use crate::source::can_frame::TimedFrame;
 use crate::source::candump_writer::write_frame;
+use crate::source::frame_readings::FrameReadings;
 use crate::source::input::LogInput;
 use crate::source::log_time::LogTime;
 use crate::source::own_signals::OwnSignals;
@@ -49,7 +50,7 @@ pub enum Reaction {
 #[derive(Debug)]
 pub struct Session {
     recorder: Recorder<f32>,
-    own: Option<Arc<OwnSignals>>,
+    readings: FrameReadings,
     /// Finished cells that are not yet fetched.
     cells: Vec<Cell>,
     newest_cell: Option<Cell>,
@@ -87,7 +88,7 @@ impl Session {
         };
         Ok(Self {
             recorder,
-            own: None,
+            readings: FrameReadings::default(),
             cells: Vec::new(),
             newest_cell: None,
             timing: if is_log_timed {
@@ -107,11 +108,11 @@ impl Session {
     /// Takes these signals of the user's own messages too, and from these alone.
     #[must_use]
     pub fn with_own_signals(mut self, own: Option<Arc<OwnSignals>>) -> Self {
+        self.readings = FrameReadings::of(own.as_ref());
         self.recorder.read_as(&ReadOptions {
-            signals: own.clone(),
+            signals: own,
             ..ReadOptions::default()
         });
-        self.own = own;
         self
     }
 
@@ -197,10 +198,10 @@ impl Session {
             write_frame(log, frame, name).map_err(Error::io(path))?;
         }
         self.on_input(&LogInput::Frame(*frame));
-        if let Some(own) = self.own.clone() {
-            own.decode(&frame.frame, |reading| {
-                self.on_input(&LogInput::Reading(frame.time, reading));
-            });
+        let mut found = Vec::new();
+        self.readings.decode(frame, |reading| found.push(reading));
+        for reading in found {
+            self.on_input(&LogInput::Reading(frame.time, reading));
         }
         Ok(())
     }

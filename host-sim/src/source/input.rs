@@ -1,9 +1,9 @@
 //! The inputs of a log of any kind, in order.
 
 use super::can_frame::{CanFrame, TimedFrame};
+use super::frame_readings::FrameReadings;
 use super::log::Log;
 use super::log_report::LogReport;
-use super::own_signals::OwnSignals;
 use super::read_options::ReadOptions;
 use super::signal_table::SignalRow;
 use crate::error::Result;
@@ -20,7 +20,7 @@ const CVW: u32 = 65_136;
 pub enum LogInput {
     /// A frame of a bus.
     Frame(TimedFrame),
-    /// A reading of a signal table, or of the user's own messages.
+    /// A reading of a signal table, an own message or a diagnostic answer.
     Reading(Instant, Reading),
 }
 
@@ -66,8 +66,8 @@ fn carries_mass(frame: &CanFrame) -> bool {
     matches!(frame.id(), Id::Extended(id) if Pgn::from_raw(id.as_raw()).number == CVW)
 }
 
-/// Passes every input of a log to `take`, and the bytes read so far to `progress`. The readings of an
-/// own message come after its frame, which may be a built-in message too. Returns what is noteworthy
+/// Passes every input of a log to `take`, and the bytes read so far to `progress`. The readings of own
+/// messages and diagnostic answers come after the frame, which may be a built-in message too. Returns what is noteworthy
 /// in the log.
 ///
 /// # Errors
@@ -83,16 +83,18 @@ pub fn for_each_input(
     let mut pace = Pace::default();
     match &mut log {
         Log::Frames(reader) => {
-            let mut own = OwnReadings::of(options.signals.as_deref());
+            let mut readings = FrameReadings::of(options.signals.as_ref());
             while let Some(frame) = reader.next_frame()? {
                 take(LogInput::Frame(frame));
-                own.pass_on(&frame, &mut take);
+                readings.decode(&frame, |reading| {
+                    take(LogInput::Reading(frame.time, reading))
+                });
                 if pace.is_due() {
                     options.stop.check()?;
                     progress(reader.file().bytes_read());
                 }
             }
-            let unseen = own.unseen.iter();
+            let unseen = readings.unseen().iter();
             unseen_signals = unseen.map(|signal| signal.column()).collect();
         }
         Log::Parquet(reader) => {
@@ -133,32 +135,5 @@ impl Pace {
 fn pass_on(row: &SignalRow, take: &mut impl FnMut(LogInput)) {
     for reading in row.readings {
         take(LogInput::Reading(row.time, *reading));
-    }
-}
-
-/// The readings of own messages.
-struct OwnReadings<'a> {
-    own: Option<&'a OwnSignals>,
-    /// Signals that no frame had so far.
-    unseen: Vec<Signal>,
-}
-
-impl<'a> OwnReadings<'a> {
-    fn of(own: Option<&'a OwnSignals>) -> Self {
-        let unseen = own.map(|own| own.signals().collect());
-        Self {
-            own,
-            unseen: unseen.unwrap_or_default(),
-        }
-    }
-
-    fn pass_on(&mut self, timed: &TimedFrame, take: &mut impl FnMut(LogInput)) {
-        let Some(own) = self.own else {
-            return;
-        };
-        own.decode(&timed.frame, |reading| {
-            self.unseen.retain(|signal| *signal != reading.signal);
-            take(LogInput::Reading(timed.time, reading));
-        });
     }
 }

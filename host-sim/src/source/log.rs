@@ -6,14 +6,11 @@ use super::log_kind::{LogKind, kind_of};
 use super::log_report::LogReport;
 use super::parquet_table::ParquetTable;
 use super::read_options::ReadOptions;
-use super::signal_table::SignalTableReader;
+use super::signal_table::{SignalTableReader, is_header};
 use crate::error::{Error, Result};
 use crate::files::kind::PARQUET_MAGIC;
 use crate::files::log_format::{foreign, foreign_by_name, format_of};
 use std::path::Path;
-
-/// The column that every signal table has.
-const TIME: &[u8] = b"time_s";
 
 /// An open log.
 pub enum Log {
@@ -37,7 +34,7 @@ impl Log {
         let mut file = LogFile::open(path)?;
         let head = file.look_at_head();
         if head.starts_with(PARQUET_MAGIC) {
-            let table = ParquetTable::open(path, &options.ignore, options.strict)?;
+            let table = ParquetTable::open(path, options)?;
             return Ok(Self::Parquet(Box::new(table)));
         }
         let format = format_of(head);
@@ -45,10 +42,10 @@ impl Log {
         if let Some(advice) = foreign(head).or(by_extension) {
             return Err(Error::content(path, advice));
         }
-        let is_table = by_name == LogKind::SignalTable || is_header_of_table(head);
+        let is_table =
+            by_name == LogKind::SignalTable || options.columns.is_some() || is_header(head);
         if format.is_none() && is_table {
-            let mut table = SignalTableReader::new(file, options.strict)?;
-            table.ignore(&options.ignore);
+            let table = SignalTableReader::new(file, options)?;
             return Ok(Self::Table(Box::new(table)));
         }
         let frames = FrameLog::new(file, format, options)?;
@@ -85,8 +82,17 @@ impl Log {
     }
 }
 
-fn is_header_of_table(head: &[u8]) -> bool {
-    let line = head.split(|byte| *byte == b'\n').next().unwrap_or_default();
-    let mut names = line.split(|byte| *byte == b',');
-    names.any(|name| name.trim_ascii() == TIME)
+/// Returns true for a file that may be a table of columns that are not ours: text of no other format, or
+/// Parquet.
+#[must_use]
+pub fn is_foreign_table(path: &Path) -> bool {
+    let Ok(mut file) = LogFile::open(path) else {
+        return false;
+    };
+    let head = file.look_at_head();
+    if head.starts_with(PARQUET_MAGIC) {
+        return true;
+    }
+    let is_text = str::from_utf8(head).map_or_else(|e| e.error_len().is_none(), |_| true);
+    is_text && format_of(head).is_none() && foreign(head).is_none()
 }

@@ -82,7 +82,7 @@ impl LogFile {
 
     /// Returns the first bytes, in UTF-8 if they are text, without a byte order mark. They are read
     /// again afterwards, from a pipe too. An error among them comes when the reader gets there.
-    pub(super) fn look_at_head(&mut self) -> &[u8] {
+    pub(crate) fn look_at_head(&mut self) -> &[u8] {
         if !self.head.is_empty() {
             return self.head.get(self.head_taken..).unwrap_or_default();
         }

@@ -1,7 +1,10 @@
 //! Signal tables as Parquet: `time_s` and one column per signal; null and NaN are missing.
 
 use super::damage::{Damage, DamageCheck};
-use super::signal_table::{SignalRow, TIME, checked};
+use super::read_options::ReadOptions;
+use super::signal_table::{
+    ColumnName, HeaderColumns, Problem, SignalColumn, SignalRow, TimeUnit, checked, columns_of,
+};
 use super::table_clock::{EXPECTED, NoTime, TableClock};
 use crate::error::{Error, Result};
 use crate::files::parquet::{NumberBatches, open};
@@ -11,9 +14,7 @@ use std::path::Path;
 /// Reader of tables, row by row; its memory does not depend on the length of the table.
 pub struct ParquetTable {
     batches: NumberBatches,
-    /// In the order of [`Signal`].
-    signals: Vec<Signal>,
-    ignored: Vec<String>,
+    header: HeaderColumns,
     /// The time, then the signals.
     batch: Vec<Vec<Option<f64>>>,
     next: usize,
@@ -29,57 +30,53 @@ impl ParquetTable {
     ///
     /// # Errors
     /// Returns an error if the file is damaged, or has no time or no signal.
-    pub fn open(path: &Path, left_out: &[Signal], is_strict: bool) -> Result<Self> {
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
         let opened = open(path)?;
-        let names: Vec<String> = opened.column_names().map(str::to_owned).collect();
-        if !names.iter().any(|name| name == TIME) {
-            let problem = "is a Parquet file without a column time_s; expected a log, or a signal \
-                           table";
-            return Err(Error::content(path, problem));
-        }
-        let mut signals: Vec<Signal> = names
-            .iter()
-            .filter_map(|name| Signal::from_column(name))
-            .filter(|signal| !left_out.contains(signal))
+        let names: Vec<ColumnName> = opened
+            .column_names()
+            .map(|name| ColumnName::of(name, None))
             .collect();
-        signals.sort();
-        if signals.is_empty() {
-            let problem = "no column with a signal; expected any that `roadgrade columns` lists, \
-                           such as wheel_speed_mps";
-            return Err(Error::content(path, problem));
-        }
-        let is_ignored = |name: &String| *name != TIME && Signal::from_column(name).is_none();
-        let ignored = names.into_iter().filter(is_ignored).collect();
-        let columns = signals.iter().map(|signal| signal.column());
-        let wanted = std::iter::once(TIME).chain(columns);
+        let found = columns_of(path, &names, options.columns.as_deref());
+        let mut header = found.map_err(|problem| match problem {
+            Problem::Mapping(error) => error,
+            Problem::Table(problem, expected) => {
+                let problem = format!("is a Parquet file with {problem}; expected {expected}");
+                Error::content(path, problem)
+            }
+        })?;
+        let is_kept = |column: &SignalColumn| !options.ignore.contains(&column.signal);
+        header.columns.retain(is_kept);
+        let columns = header.columns.iter().map(|column| column.index);
+        let wanted = std::iter::once(header.time.index).chain(columns);
+        let wanted = wanted.filter_map(|index| names.get(index));
         Ok(Self {
-            batches: opened.batches(wanted.map(str::to_owned).collect())?,
-            signals,
-            ignored,
+            batches: opened.batches(wanted.map(|name| name.whole.clone()).collect())?,
+            header,
             batch: Vec::new(),
             next: 0,
             row: 0,
             clock: TableClock::default(),
             readings: Vec::new(),
-            damage: DamageCheck::new(is_strict),
+            damage: DamageCheck::new(options.strict),
         })
     }
 
     /// Returns the signals that have a column, in the order of [`Signal`].
     pub fn signals(&self) -> impl Iterator<Item = Signal> {
-        self.signals.iter().copied()
+        self.header.columns.iter().map(|column| column.signal)
     }
 
     /// Returns the columns that are not ours.
     #[must_use]
     pub fn ignored_columns(&self) -> &[String] {
-        &self.ignored
+        &self.header.ignored
     }
 
-    /// Returns what was mended of the times, in words.
+    /// Returns what was mended of the times, and what was taken for ours, in words.
     #[must_use]
     pub fn mended(&self) -> Vec<String> {
-        self.clock.mended()
+        let converted = self.header.converted.iter().cloned();
+        self.clock.mended().into_iter().chain(converted).collect()
     }
 
     /// Returns what was left out so far.
@@ -128,31 +125,39 @@ impl ParquetTable {
 
     /// Reads the values of a row of the batch.
     fn parse(&mut self, row: usize) -> Result<Instant> {
-        let time = self.clock.time(self.seconds(row));
+        let number = self.number(row);
+        let unit = self.header.time.unit;
+        let unit = unit.or_else(|| TimeUnit::of_value("", number));
+        let Some(unit) = unit else {
+            let name = &self.header.time.name;
+            let expected = "a time since 1970, or a unit of the time in --columns";
+            return Err(self.error(&format!("{name} has no unit"), expected));
+        };
+        let time = self.clock.time(unit.seconds("", number));
         let time = time.map_err(|problem| match problem {
-            NoTime::Wrong => self.error("time_s is wrong", EXPECTED),
+            NoTime::Wrong => self.error(&format!("{} is wrong", self.header.time.name), EXPECTED),
             NoTime::Backwards(problem) => self.error(&problem, "times that do not decrease"),
         })?;
+        self.header.time.unit = Some(unit);
         self.readings.clear();
-        for (signal, values) in self.signals.iter().zip(&self.batch[1..]) {
+        for (column, values) in self.header.columns.iter().zip(&self.batch[1..]) {
+            let signal = column.signal;
             let number = values[row].filter(|value| !value.is_nan());
-            if number.is_some() {
-                let value = checked(*signal, number).map_err(|expected| {
+            if let Some(number) = number {
+                let number = number * column.scale + column.offset;
+                let value = checked(signal, Some(number)).map_err(|expected| {
                     self.error(&format!("{} is wrong", signal.column()), expected)
                 })?;
-                self.readings.push(Reading {
-                    signal: *signal,
-                    value,
-                });
+                self.readings.push(Reading { signal, value });
             }
         }
         Ok(time)
     }
 
-    /// Returns the time of a row of the batch, s.
-    fn seconds(&self, row: usize) -> Option<f64> {
-        let seconds = *self.batch.first()?.get(row)?;
-        seconds.filter(|seconds| seconds.is_finite())
+    /// Returns the number of the time of a row of the batch.
+    fn number(&self, row: usize) -> Option<f64> {
+        let number = *self.batch.first()?.get(row)?;
+        number.filter(|number| number.is_finite())
     }
 
     fn end(&mut self) -> Result<()> {

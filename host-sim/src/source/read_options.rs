@@ -1,6 +1,7 @@
 //! What a user asks of the reading of a log.
 
 use super::own_signals::OwnSignals;
+use super::signal_table::ColumnsFile;
 use crate::files::stop::Stop;
 use estimator_core::Signal;
 use std::sync::Arc;
@@ -18,6 +19,8 @@ pub struct ReadOptions {
     pub ignore: Vec<Signal>,
     /// Signals of the user's own messages. The built-in messages do not give these.
     pub signals: Option<Arc<OwnSignals>>,
+    /// What the columns of tables are.
+    pub columns: Option<Arc<ColumnsFile>>,
     /// Stops the reading.
     pub stop: Stop,
 }

@@ -27,6 +27,12 @@ pub fn unit(signal: Signal) -> &'static str {
     of_column(signal.column()).map_or("", |(_, unit, ..)| *unit)
 }
 
+/// Returns the ending of a signal's column that means its unit; empty as for [`unit`].
+#[must_use]
+pub fn unit_of_column(signal: Signal) -> &'static str {
+    of_column(signal.column()).map_or("", |(ending, ..)| *ending)
+}
+
 /// Returns the least and the greatest value that a vehicle reaches, in the unit of the column. The
 /// core does not use speeds, positions, pressures and temperatures beyond it.
 #[must_use]

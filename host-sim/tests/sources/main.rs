@@ -2,10 +2,12 @@
 
 mod can_frame;
 mod candump;
+mod foreign_tables;
 mod frame_log;
 mod inspect;
+mod obd;
 mod own_signals;
 mod packed;
 mod parquet_table;
 mod read_options;
-mod signal_table;
+pub(crate) mod signal_table;

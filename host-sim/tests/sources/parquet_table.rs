@@ -3,6 +3,7 @@
 use estimator_core::{Signal, Value};
 use host_sim::files::parquet::{ParquetColumn, stage};
 use host_sim::source::parquet_table::ParquetTable;
+use host_sim::source::read_options::ReadOptions;
 use std::path::Path;
 use test_kit::command::{folder, program};
 
@@ -20,7 +21,7 @@ fn write(path: &Path, times: &[f64], speeds: &[Option<f64>]) {
 type Row = (u64, Vec<(Signal, Value)>);
 
 fn rows(path: &Path) -> Result<Vec<Row>, String> {
-    let mut table = ParquetTable::open(path, &[], false).map_err(|e| e.to_string())?;
+    let mut table = ParquetTable::open(path, &ReadOptions::default()).map_err(|e| e.to_string())?;
     let mut rows = Vec::new();
     while let Some(row) = table.next_row().map_err(|e| e.to_string())? {
         let readings = row.readings.iter().map(|r| (r.signal, r.value)).collect();
@@ -47,7 +48,7 @@ fn rows_are_those_of_the_file_in_the_order_of_signals() {
             (2_000_000, others.to_vec()),
         ]
     );
-    let table = ParquetTable::open(&path, &[], false).unwrap();
+    let table = ParquetTable::open(&path, &ReadOptions::default()).unwrap();
     assert_eq!(table.ignored_columns(), ["driver"]);
 }
 
@@ -83,7 +84,7 @@ fn wrong_tables_are_refused() {
     assert!(rows(&path).unwrap_err().contains("no column with a signal"));
     let columns = vec![ParquetColumn::numbers("gear", [1.0].into_iter())];
     stage(&path, columns, &[]).unwrap().commit().unwrap();
-    assert!(rows(&path).unwrap_err().contains("without a column time_s"));
+    assert!(rows(&path).unwrap_err().contains("with no column time_s"));
     std::fs::write(&path, b"PAR1 and no more").unwrap();
     assert!(
         rows(&path)
@@ -102,7 +103,7 @@ fn a_few_wrong_rows_are_left_out_and_counted() {
     times[300] = f64::NAN;
     speeds[350] = Some(1e5);
     write(&path, &times, &speeds);
-    let mut table = ParquetTable::open(&path, &[], false).unwrap();
+    let mut table = ParquetTable::open(&path, &ReadOptions::default()).unwrap();
     let mut rows = 0;
     while table.next_row().unwrap().is_some() {
         rows += 1;

@@ -2,6 +2,8 @@
 
 use crate::packed::gzip;
 use estimator_core::{Instant, Reading, Signal, Value};
+use host_sim::source::log::Log;
+use host_sim::source::read_options::ReadOptions;
 use host_sim::source::signal_table::{SignalTableReader, write};
 use proptest::prelude::*;
 use std::path::Path;
@@ -9,7 +11,13 @@ use std::path::Path;
 type TableRow = (u64, Vec<(Signal, Value)>);
 
 fn read_path(path: &Path) -> Result<Vec<TableRow>, String> {
-    let mut table = SignalTableReader::open(path).map_err(|e| e.to_string())?;
+    read_path_with(path, &ReadOptions::default())
+}
+
+fn read_path_with(path: &Path, options: &ReadOptions) -> Result<Vec<TableRow>, String> {
+    let Log::Table(mut table) = Log::open(path, options).map_err(|e| e.to_string())? else {
+        return Err("no table".to_owned());
+    };
     let mut rows = Vec::new();
     while let Some(row) = table.next_row().map_err(|e| e.to_string())? {
         let pair = |r: &Reading| (r.signal, r.value);
@@ -18,15 +26,16 @@ fn read_path(path: &Path) -> Result<Vec<TableRow>, String> {
     Ok(rows)
 }
 
-fn read(content: &[u8]) -> Result<Vec<TableRow>, String> {
+pub fn read(content: &[u8]) -> Result<Vec<TableRow>, String> {
+    read_with(content, &ReadOptions::default())
+}
+
+pub fn read_with(content: &[u8], options: &ReadOptions) -> Result<Vec<TableRow>, String> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("table.csv");
     std::fs::write(&path, content).expect("a temporary file");
-    read_path(&path).map_err(|message| {
-        let prefix = format!("{}/", folder.path().display());
-        let tail = message.strip_prefix(&prefix).expect("names the file");
-        tail.to_owned()
-    })
+    let prefix = format!("{}/", folder.path().display());
+    read_path_with(&path, options).map_err(|message| message.replace(&prefix, ""))
 }
 
 fn error(content: &str) -> String {

@@ -2,7 +2,8 @@
 
 use arrow_array::types::{
     ArrowPrimitiveType, Float16Type, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type,
-    Int64Type, UInt8Type, UInt16Type, UInt32Type,
+    Int64Type, TimestampMicrosecondType, TimestampMillisecondType, TimestampNanosecondType,
+    TimestampSecondType, UInt8Type, UInt16Type, UInt32Type,
 };
 use arrow_array::{Array, ArrayRef, BooleanArray, Decimal128Array, PrimitiveArray, UInt64Array};
 use std::any::Any;
@@ -83,12 +84,22 @@ impl<'a> Values<'a> {
             let array = any.downcast_ref::<PrimitiveArray<T>>()?;
             Some(array.iter().map(|value| value.map(f64::from)).collect())
         }
+        // A time since 1970, in its unit.
+        fn times<T: ArrowPrimitiveType<Native = i64>>(any: &dyn Any) -> Option<Vec<Option<f64>>> {
+            let array = any.downcast_ref::<PrimitiveArray<T>>()?;
+            let number = |value| value as f64;
+            Some(array.iter().map(|value| value.map(number)).collect())
+        }
         numbers::<Int8Type>(any)
             .or_else(|| numbers::<Int16Type>(any))
             .or_else(|| numbers::<UInt8Type>(any))
             .or_else(|| numbers::<UInt16Type>(any))
             .or_else(|| numbers::<UInt32Type>(any))
             .or_else(|| numbers::<Float16Type>(any))
+            .or_else(|| times::<TimestampNanosecondType>(any))
+            .or_else(|| times::<TimestampMicrosecondType>(any))
+            .or_else(|| times::<TimestampMillisecondType>(any))
+            .or_else(|| times::<TimestampSecondType>(any))
             .or_else(|| {
                 let array = any.downcast_ref::<UInt64Array>()?;
                 Some(

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::files::limits;
 use crate::platform::{TableFile, table_file};
 use arrow_array::{Array, RecordBatch, StringArray};
+use arrow_schema::DataType;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use std::fs::File;
@@ -60,6 +61,17 @@ impl Opened<'_> {
             .find(|pair| pair.key.strip_prefix("roadgrade.") == Some(key))?
             .value
             .as_deref()
+    }
+
+    /// Returns the names of the columns of numbers, switches and times.
+    #[must_use]
+    pub fn number_names(&self) -> Vec<String> {
+        let fields = self.builder.schema().fields().iter();
+        let is_number = |kind: &DataType| {
+            kind.is_numeric() || matches!(kind, DataType::Boolean | DataType::Timestamp(..))
+        };
+        let numbers = fields.filter(|field| is_number(field.data_type()));
+        numbers.map(|field| field.name().clone()).collect()
     }
 
     /// Returns the number of rows, as the footer states it.

@@ -12,4 +12,5 @@ mod message_parts;
 mod message_reference;
 pub mod units;
 
+pub(super) use lines::line_of;
 pub use mapping::OwnSignals;

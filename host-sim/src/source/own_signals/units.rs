@@ -54,12 +54,16 @@ pub fn conversion(unit: &str, signal: Signal) -> Option<(f64, f64)> {
     found.map(|(_, _, scale, offset)| (*scale, *offset))
 }
 
+/// Returns whether a unit is known.
+#[must_use]
+pub fn is_known(unit: &str) -> bool {
+    let unit = unit.trim().to_lowercase().replace(' ', "");
+    let mut all = CONVERSIONS.iter();
+    all.any(|(names, ..)| names.contains(&&*unit))
+}
+
 /// Returns whether a unit is one of another quantity than the signal's.
 #[must_use]
 pub fn contradicts(unit: &str, signal: Signal) -> bool {
-    let name = unit.trim().to_lowercase().replace(' ', "");
-    let is_known = CONVERSIONS
-        .iter()
-        .any(|(names, ..)| names.contains(&&*name));
-    is_known && conversion(unit, signal).is_none()
+    is_known(unit) && conversion(unit, signal).is_none()
 }

@@ -25,6 +25,27 @@ pub(in super::super) fn checked(
     }
 }
 
+/// Cells that mean that there is no value, in lower case.
+const MISSING: [&[u8]; 9] = [
+    b"", b"nan", b"na", b"n/a", b"#n/a", b"null", b"none", b"-", b"--",
+];
+
+/// Returns true for a cell without a value.
+pub(super) fn is_missing(cell: &[u8]) -> bool {
+    // Most cells are longer numbers.
+    cell.len() <= 4 && MISSING.iter().any(|text| cell.eq_ignore_ascii_case(text))
+}
+
+/// Returns the number of a word for on or off.
+pub(super) fn switch(cell: &[u8]) -> Option<f64> {
+    let is = |word: &[u8]| cell.eq_ignore_ascii_case(word);
+    if is(b"true") {
+        Some(1.0)
+    } else {
+        is(b"false").then_some(0.0)
+    }
+}
+
 /// Returns the largest value of an angle. Angles have more digits than `f32`.
 pub(super) const fn largest_angle_deg(signal: Signal) -> Option<f64> {
     match signal {

@@ -39,14 +39,21 @@ pub const fn of_frames(frames: FrameMatch) -> (u32, u32) {
     }
 }
 
-/// Returns the filters of all decoded messages, from the layouts in `estimator-core/dbc`, and of the
-/// transport protocol.
+/// Filters of diagnostic answers (ISO 15765-4): 7E8 to 7EF, and those to the tester.
+const ANSWERS: [(u32, u32); 2] = [
+    (0x7e8, EXTENDED | 0x7f8),
+    (EXTENDED | 0x18da_f100, EXTENDED | 0x1fff_ff00),
+];
+
+/// Returns the filters of all decoded messages, from the layouts in `estimator-core/dbc`, of the
+/// transport protocol, and of diagnostic answers.
 #[must_use]
 pub fn wanted() -> Vec<(u32, u32)> {
     // EC1 comes in packets, whose identifiers do not tell what they carry.
     let packets = [TRANSPORT_MANAGEMENT, TRANSPORT_DATA];
     let messages = signal::messages().map(|message| message.pgn());
-    messages.chain(packets).map(of_group).collect()
+    let groups = messages.chain(packets).map(of_group);
+    groups.chain(ANSWERS).collect()
 }
 
 /// Returns true if any of `filters` accepts an identifier word, as the kernel decides it.

@@ -60,7 +60,7 @@ pub fn packed(bytes: &[u8]) {
 /// Checks signal tables in Parquet: rows in the order of time, or an error that names the file.
 pub fn parquet_table(bytes: &[u8]) {
     as_file(".parquet", bytes, |path| {
-        let read = ParquetTable::open(path, &[], false).and_then(|mut table| {
+        let read = ParquetTable::open(path, &ReadOptions::default()).and_then(|mut table| {
             let mut newest = Instant::ZERO;
             while let Some(row) = table.next_row()? {
                 assert!(newest <= row.time);
