@@ -60,6 +60,8 @@ pub struct Observation {
     pub ground: RatioHistogram,
     /// Fastest turns of the engine, rpm.
     pub fastest_rpm: f64,
+    /// Whether the engine torque is that of diagnostic answers: trucks broadcast theirs (J1939).
+    pub is_light_vehicle: bool,
     /// Way of the wheels, m.
     pub distance_m: f64,
     /// Values that the bus tells of the vehicle.
@@ -114,7 +116,7 @@ impl Observation {
             .iter()
             .flat_map(|own| own.signals())
             .collect();
-        for_each_input(
+        let report = for_each_input(
             log,
             options,
             |_| (),
@@ -136,6 +138,7 @@ impl Observation {
                 LogInput::Reading(..) => {}
             },
         )?;
+        found.is_light_vehicle = report.has_diagnostic_torque;
         Ok(found)
     }
 
@@ -145,6 +148,7 @@ impl Observation {
         self.loaded_turns.merge(&other.loaded_turns);
         self.ground.merge(&other.ground);
         self.fastest_rpm = self.fastest_rpm.max(other.fastest_rpm);
+        self.is_light_vehicle |= other.is_light_vehicle;
         self.distance_m += other.distance_m;
         merge_each(&mut self.by_gear, &other.by_gear);
         merge_each(&mut self.loaded_by_gear, &other.loaded_by_gear);

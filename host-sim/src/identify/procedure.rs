@@ -469,7 +469,7 @@ fn check_signals(first: &Path, observation: &Observation) -> Result<()> {
 fn first_guess(observation: &Observation) -> Class {
     let usual_kg = match observation.told(Signal::Mass) {
         Some((mean_kg, _)) => mean_kg,
-        None if observation.fastest_rpm > TRUCK_RPM => 1_600.0,
+        None if observation.is_light_vehicle || observation.fastest_rpm > TRUCK_RPM => 1_600.0,
         // The middle of trucks: the mass shows itself on the first drive.
         None => 18_000.0,
     };

@@ -80,6 +80,7 @@ pub fn for_each_input(
 ) -> Result<LogReport> {
     let mut log = Log::open(log, options)?;
     let mut unseen_signals = Vec::new();
+    let mut has_diagnostic_torque = false;
     let mut pace = Pace::default();
     match &mut log {
         Log::Frames(reader) => {
@@ -96,6 +97,7 @@ pub fn for_each_input(
             }
             let unseen = readings.unseen().iter();
             unseen_signals = unseen.map(|signal| signal.column()).collect();
+            has_diagnostic_torque = readings.obd().gives(Signal::EngineTorque);
         }
         Log::Parquet(reader) => {
             while let Some(row) = reader.next_row()? {
@@ -116,6 +118,7 @@ pub fn for_each_input(
     }
     Ok(LogReport {
         unseen_signals,
+        has_diagnostic_torque,
         ..log.report()
     })
 }

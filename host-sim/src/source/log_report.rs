@@ -23,4 +23,7 @@ pub struct LogReport {
     /// Own signals that no frame had, by column.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unseen_signals: Vec<&'static str>,
+    /// Whether the engine torque is that of diagnostic answers (service 01), as light vehicles have it.
+    #[serde(skip)]
+    pub has_diagnostic_torque: bool,
 }

@@ -121,6 +121,12 @@ impl ObdAnswers {
         decoder.decode_at(timed.time, &timed.frame, note);
     }
 
+    /// Returns whether a signal comes from diagnostic answers.
+    #[must_use]
+    pub fn gives(&self, signal: Signal) -> bool {
+        self.responders.contains_key(&signal) && !self.given.contains(&signal)
+    }
+
     /// Returns what was answered, by ascending parameter.
     #[must_use]
     pub fn counts(&self) -> Vec<ObdCount> {
