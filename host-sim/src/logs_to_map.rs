@@ -34,6 +34,8 @@ pub struct Job {
     pub tuning: Tuning,
     /// How logs are read.
     pub options: ReadOptions,
+    /// Keep drives that are suspect over most of their length.
+    pub keep_suspect: bool,
 }
 
 /// One drive.
@@ -198,6 +200,12 @@ fn estimate(job: &Job, vehicle: &VehicleFile) -> Result<(Vec<LogRun>, Vec<String
         let identity = RunIdentity::of(run.rows.iter().map(RunCell::from));
         if let Some(&first) = seen.get(&identity) {
             let problem = format!("the same drive as {}", runs[first].name);
+            problems.push(Error::content(&drive.logs[0], problem));
+            continue;
+        }
+        if !job.keep_suspect && run.summary.is_mostly_suspect() {
+            let verdict = &run.summary.verdict;
+            let problem = format!("{verdict}; --keep-suspect keeps it");
             problems.push(Error::content(&drive.logs[0], problem));
             continue;
         }

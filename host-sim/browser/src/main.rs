@@ -45,6 +45,7 @@ fn run(files: &[PathBuf], results: &Path) -> Result<()> {
         roads: None,
         tuning: Tuning::default(),
         options: dropped.options,
+        keep_suspect: false,
     };
     let made = make(job, tell)?;
     tell("writing the page");

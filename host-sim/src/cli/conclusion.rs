@@ -18,6 +18,16 @@ pub(super) fn warn(warnings: &[Warning]) {
     }
 }
 
+/// Prints the warnings of one of several drives.
+pub(super) fn warn_of(run: &str, warnings: &[Warning]) {
+    for Warning {
+        message, advice, ..
+    } in warnings
+    {
+        alert(format_args!("warning: {run}: {message}; {advice}"));
+    }
+}
+
 /// Says which parameters of the given model the bus contradicted.
 pub(super) fn note_replaced(given: &Model, drive: &LongRun) {
     for parameter in replaced(given, &drive.model) {

@@ -128,6 +128,7 @@ fn map_from_logs(
             roads: Some(TrueRoad::read(folder)?.network),
             tuning: tuning.clone(),
             options: ReadOptions::default(),
+            keep_suspect: false,
         },
         |_| (),
     )?;

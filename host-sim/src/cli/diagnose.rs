@@ -1,5 +1,6 @@
 //! `roadgrade diagnose`.
 
+use super::log_files::LogFiles;
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
 use super::{log_notes, outputs};
@@ -79,10 +80,11 @@ impl Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     args.check_outputs(&report::FILES.map(|name| args.out.join(name)))?;
+    let (logs, holdout) = (LogFiles::of(&args.logs)?, LogFiles::of(&args.holdout)?);
     let request = Request {
         vehicle: VehicleFile::read(&args.vehicle)?,
-        logs: args.logs.clone(),
-        held_out: args.holdout.clone(),
+        logs: logs.paths.clone(),
+        held_out: holdout.paths.clone(),
         reference: args.reference.clone(),
         terrain: args.terrain.clone(),
         accelerometer: args.reference_signal.is_some(),

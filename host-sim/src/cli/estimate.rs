@@ -1,5 +1,6 @@
 //! `roadgrade estimate`: estimates a run from a recorded drive.
 
+use super::log_files;
 use super::log_options::LogOptions;
 use super::memory_option::MemoryOption;
 use super::tuning_option::TuningOption;
@@ -167,6 +168,7 @@ pub fn run(args: &Args) -> Result<()> {
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let tuning = args.tuning.read()?;
     let options = args.reading.read_options()?;
+    let log = &log_files::one(&args.log)?;
     let started = Clock::now();
     let file = args.kept.as_deref();
     let last = match file {
@@ -176,14 +178,14 @@ pub fn run(args: &Args) -> Result<()> {
     let last = last.as_ref();
     let additions = args.additions()?;
     let mut run = if args.double {
-        drive::<f64>(&vehicle, &tuning, last, additions, &args.log, &options)?
+        drive::<f64>(&vehicle, &tuning, last, additions, log, &options)?
     } else {
-        drive::<f32>(&vehicle, &tuning, last, additions, &args.log, &options)?
+        drive::<f32>(&vehicle, &tuning, last, additions, log, &options)?
     };
     let seconds = started.elapsed().as_secs_f64();
-    log_notes::note_report(&args.log, &run.log);
+    log_notes::note_report(log, &run.log);
     conclusion::warn(&run.warnings);
-    recorder::check_inputs(&args.log, &vehicle, &run, &options)?;
+    recorder::check_inputs(log, &vehicle, &run, &options)?;
     conclusion::note_replaced(&vehicle.model, &run);
     let origin = Origin {
         vehicle: Some(vehicle.name),

@@ -1,5 +1,6 @@
 //! `roadgrade horizon`: the grade ahead, along a recorded drive.
 
+use super::log_files;
 use super::log_options::LogOptions;
 use super::outputs;
 use super::told::Told;
@@ -46,21 +47,22 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let inputs = [&*args.log, &*args.vehicle, &*args.map];
+    let log = &log_files::one(&args.log)?;
+    let inputs = [log, &*args.vehicle, &*args.map];
     let inputs = inputs.into_iter().chain(args.reading.files());
     outputs::check(inputs, [&*args.out])?;
     outputs::check_file(&args.out, &["csv"])?;
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let map = open_packed_map(&args.map)?;
     let options = args.reading.read_options()?;
-    let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
+    let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let mut table = CsvTable::begin(&args.out)?;
     let (mut rows, mut seconds, mut newest_s) = (0_u64, 0_u64, None);
     let read = horizons_of_log(
         &vehicle.model,
         map,
         args.length,
-        &args.log,
+        log,
         &options,
         |read| bar.set_position(read),
         |row| {
@@ -73,7 +75,7 @@ pub fn run(args: &Args) -> Result<()> {
     read?;
     if rows == 0 {
         let problem = "is never on the map; expected a drive over its ways";
-        return Err(Error::content(&args.log, problem));
+        return Err(Error::content(log, problem));
     }
     table.finish()?.commit()?;
     let told = Told {

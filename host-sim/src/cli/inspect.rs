@@ -1,5 +1,6 @@
 //! `roadgrade inspect`.
 
+use super::log_files::{self, LogFiles};
 use super::log_options::LogOptions;
 use super::{log_notes, outputs};
 use crate::error::{Error, Result};
@@ -128,12 +129,29 @@ impl DbcInspection {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
+    if !args.log.is_dir() {
+        return of_log(args, &args.log);
+    }
+    let logs = LogFiles::of(std::slice::from_ref(&args.log))?;
+    if args.json || args.out.is_some() {
+        return of_log(args, &log_files::one(&args.log)?);
+    }
+    for (number, log) in logs.paths.iter().enumerate() {
+        if number > 0 {
+            print("\n")?;
+        }
+        of_log(args, log)?;
+    }
+    Ok(())
+}
+
+fn of_log(args: &Args, log: &Path) -> Result<()> {
     if let Some(out) = &args.out {
         outputs::check_file(out, &["toml"])?;
-        let inputs = args.reading.files().chain([args.log.as_path()]);
+        let inputs = args.reading.files().chain([log]);
         outputs::check(inputs, [out.as_path()])?;
     }
-    let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
+    let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let options = args.reading.inspect_options()?;
     let dbc = args.reading.own().dbc().map(Dbc::read).transpose()?;
     if let (Some(dbc), None) = (&dbc, &options.signals) {
@@ -141,26 +159,27 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let mut counter = dbc.as_ref().map(DbcCounter::new);
     let progress = |read| bar.set_position(read);
-    let read = census_of(&args.log, &options, counter.as_mut(), progress);
+    let read = census_of(log, &options, counter.as_mut(), progress);
     bar.finish_and_clear();
     let (kind, census, report) = match read {
         Ok(read) => read,
-        Err(error) => return of_foreign_table(args, &options, error),
+        Err(error) => return of_foreign_table(args, log, &options, error),
     };
-    log_notes::note_report(&args.log, &report);
+    log_notes::note_report(log, &report);
     let dbc = counter.map(|counter| DbcInspection::of(counter, &census));
     let is_foreign = kind == LogKind::SignalTable && !report.ignored_columns.is_empty();
-    let table = (is_foreign && args.log.is_file()).then(|| TableInspection::of(&args.log, &census));
+    let table = (is_foreign && log.is_file()).then(|| TableInspection::of(log, &census));
     let table = table.transpose()?;
     let proposed = dbc.as_ref().map(|dbc| &dbc.signals_toml);
     write_proposal(
         args,
+        log,
         proposed.or(table.as_ref().map(|table| &table.columns_toml)),
     )?;
     let kind = kind.to_string();
     let needs = needs(&census);
     if !args.json {
-        let head = format!("{}: {kind}", args.log.display());
+        let head = format!("{}: {kind}", log.display());
         let interfaces = &report.interfaces;
         let dbc = dbc.as_ref().map(DbcInspection::text).unwrap_or_default();
         let table = table
@@ -170,7 +189,7 @@ pub fn run(args: &Args) -> Result<()> {
         return print(&(text(&head, &census, interfaces, &needs, args.all) + &dbc + &table));
     }
     let inspection = Inspection {
-        log: &args.log,
+        log: log,
         kind,
         census: &census,
         needs: &needs,
@@ -178,8 +197,7 @@ pub fn run(args: &Args) -> Result<()> {
         table,
         report: &report,
     };
-    let json =
-        serde_json::to_string_pretty(&inspection).map_err(|e| Error::io(&args.log)(e.into()))?;
+    let json = serde_json::to_string_pretty(&inspection).map_err(|e| Error::io(log)(e.into()))?;
     print(&(json + "\n"))
 }
 
@@ -187,33 +205,33 @@ pub fn run(args: &Args) -> Result<()> {
 ///
 /// # Errors
 /// Returns `error`, with which the log was refused, if it is none, or if no column may be ours.
-fn of_foreign_table(args: &Args, options: &ReadOptions, error: Error) -> Result<()> {
-    let is_header = || is_foreign_table(&args.log) && Log::open(&args.log, options).is_err();
+fn of_foreign_table(args: &Args, log: &Path, options: &ReadOptions, error: Error) -> Result<()> {
+    let is_header = || is_foreign_table(log) && Log::open(log, options).is_err();
     if options.columns.is_some() || !is_header() {
         return Err(error);
     }
-    let table = match TableInspection::of(&args.log, &Census::default()) {
+    let table = match TableInspection::of(log, &Census::default()) {
         Ok(table) if table.columns_toml.contains("[columns.") => table,
         _ => return Err(error),
     };
-    write_proposal(args, Some(&table.columns_toml))?;
+    write_proposal(args, log, Some(&table.columns_toml))?;
     alert(format_args!("warning: {error}"));
     if args.json {
-        let json = serde_json::json!({ "log": args.log, "table": table });
+        let json = serde_json::json!({ "log": log, "table": table });
         return print(&format!("{json:#}\n"));
     }
     print(&table.text())
 }
 
 /// Writes the proposed mapping.
-fn write_proposal(args: &Args, proposed: Option<&String>) -> Result<()> {
+fn write_proposal(args: &Args, log: &Path, proposed: Option<&String>) -> Result<()> {
     let Some(out) = &args.out else {
         return Ok(());
     };
     let Some(proposed) = proposed.filter(|text| text.contains("\n[")) else {
         let problem = "nothing to propose: no signal of a .dbc file (--dbc) and no column of a table fits one \
                        of ours that the log lacks";
-        return Err(Error::content(&args.log, problem));
+        return Err(Error::content(log, problem));
     };
     write_whole(out, |file| file.write_all(proposed.as_bytes()))
 }

@@ -1,7 +1,11 @@
 //! Logs that a command reads more than once.
 
 use crate::error::{Error, Result};
+use crate::files::folder::Folder;
+use crate::files::kind::{self, Kind};
+use crate::source::log::is_log;
 use crate::source::log_file::is_standard_input;
+use crate::terminal::print::alert;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -16,17 +20,21 @@ pub(super) struct LogFiles {
 }
 
 impl LogFiles {
-    /// Takes the logs of a command.
+    /// Takes the logs of a command. A folder means the logs in it and its subfolders, by name.
     ///
     /// # Errors
-    /// Returns an error if standard input or a pipe cannot be copied.
+    /// Returns an error if standard input or a pipe cannot be copied, and for a folder without logs.
     pub fn of(logs: &[PathBuf]) -> Result<Self> {
         let mut files = Self {
             paths: Vec::with_capacity(logs.len()),
             _copies: Vec::new(),
         };
         for log in logs {
-            if log.is_file() || log.is_dir() || !is_standard_input(log) && !log.exists() {
+            if log.is_dir() {
+                files.paths.extend(logs_below(log)?);
+                continue;
+            }
+            if log.is_file() || !is_standard_input(log) && !log.exists() {
                 files.paths.push(log.clone());
                 continue;
             }
@@ -38,6 +46,68 @@ impl LogFiles {
         }
         Ok(files)
     }
+}
+
+/// Returns the log that a path means: itself, or the only one in a folder.
+///
+/// # Errors
+/// Returns an error for a folder with no log, or with several.
+pub(super) fn one(log: &Path) -> Result<PathBuf> {
+    if !log.is_dir() {
+        return Ok(log.to_owned());
+    }
+    let found = logs_below(log)?;
+    match &*found {
+        [only] => Ok(only.clone()),
+        _ => {
+            let problem = format!(
+                "is a folder of {} logs; expected one log (`roadgrade map` takes them all)",
+                found.len()
+            );
+            Err(Error::content(log, problem))
+        }
+    }
+}
+
+/// Returns the logs in a folder and its subfolders, by name.
+fn logs_below(folder: &Path) -> Result<Vec<PathBuf>> {
+    files_below(folder, "log", is_log)
+}
+
+/// Returns these files, and those of this kind in the folders among them, by name.
+///
+/// # Errors
+/// Returns an error for a folder without such a file.
+pub(super) fn of_kind(paths: &[PathBuf], what: &str, wanted: Kind) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::with_capacity(paths.len());
+    for path in paths {
+        if path.is_dir() {
+            files.extend(files_below(path, what, |path| {
+                kind::of(path) == Some(wanted)
+            })?);
+        } else {
+            files.push(path.clone());
+        }
+    }
+    Ok(files)
+}
+
+fn files_below(
+    folder: &Path,
+    what: &str,
+    is_wanted: impl Fn(&Path) -> bool,
+) -> Result<Vec<PathBuf>> {
+    let found = Folder::read(folder, is_wanted)?;
+    found.tell_hidden(folder);
+    found.tell_others(folder, what);
+    for problem in &found.unreadable {
+        alert(format_args!("warning: left out: {problem}"));
+    }
+    if found.files.is_empty() {
+        let problem = format!("no {what} in this folder; expected at least one");
+        return Err(Error::content(folder, problem));
+    }
+    Ok(found.files)
 }
 
 fn name(log: &Path) -> PathBuf {

@@ -43,6 +43,10 @@ pub struct Args {
     /// The logs are consecutive parts of one drive, in this order.
     #[arg(long)]
     join: bool,
+    /// Keep drives that are suspect over most of their length. By default, they are named and left
+    /// out.
+    #[arg(long)]
+    keep_suspect: bool,
     #[command(flatten)]
     reading: LogOptions,
     #[command(flatten)]
@@ -68,6 +72,7 @@ pub fn run(args: &Args) -> Result<()> {
         roads: args.road.as_deref().map(read_network).transpose()?,
         tuning: args.tuning.read()?,
         options: args.reading.read_options()?,
+        keep_suspect: args.keep_suspect,
     };
     let wait = progress::spinner("reading the logs");
     let made = make(job, |step| wait.set_message(step.to_owned()))?;
@@ -117,7 +122,7 @@ fn tell(made: &MadeMap) {
         for (log, report) in &run.reports {
             log_notes::note_report(log, report);
         }
-        conclusion::warn(&run.warnings);
+        conclusion::warn_of(&run.name, &run.warnings);
     }
 }
 

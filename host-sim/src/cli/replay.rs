@@ -1,7 +1,7 @@
 //! `roadgrade replay`: sends a recorded log on an interface.
 
-use super::log_notes;
 use super::log_options::FrameOptions;
+use super::{log_files, log_notes};
 use crate::error::{Error, Result};
 use crate::live::replay::{Pace, Replay, Sent};
 use crate::live::stop_flag;
@@ -63,9 +63,10 @@ fn pace(text: &str) -> std::result::Result<Pace, String> {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let Log::Frames(mut log) = Log::open(&args.log, &args.reading.read_options())? else {
+    let path = &log_files::one(&args.log)?;
+    let Log::Frames(mut log) = Log::open(path, &args.reading.read_options())? else {
         let problem = "is a signal table; expected a candump log, or one in ASC, TRC or BLF";
-        return Err(Error::content(&args.log, problem));
+        return Err(Error::content(path, problem));
     };
     let filters = if args.log_time {
         vec![of_group(log_time::PGN)]
@@ -89,7 +90,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let sent = replay.end()?;
     bar.finish_and_clear();
-    log_notes::note_report(&args.log, &log.report());
+    log_notes::note_report(path, &log.report());
     print(&summary(args, &sent, begun.elapsed().as_secs_f64()))
 }
 

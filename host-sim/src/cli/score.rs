@@ -1,8 +1,10 @@
 //! `roadgrade score`.
 
+use super::log_files::of_kind;
 use super::outputs;
 use crate::error::{Error, Result, on_one_line};
 use crate::files::csv::write_csv;
+use crate::files::kind::Kind;
 use crate::files::truth;
 use crate::score::companions::{Companions, NamedFiles};
 use crate::score::judged::{Judged, judge};
@@ -13,7 +15,7 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// Options that name the companion files: once for all runs, or once for each run.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 struct Options {
     /// Log that the run was estimated from. The comparison rows need it. Give it once for all runs,
     /// or once for each run [default: NAME.log or NAME.log.gz beside NAME.truth.csv].
@@ -30,7 +32,7 @@ struct Options {
 }
 
 /// Arguments of `score`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Each cell is compared with the truth at the same time. Both times count from the first frame of \
 the log. The first and last 500 m of each run are not scored. Each row has the RMSE over all cells \
@@ -78,6 +80,11 @@ pub struct Args {
 /// # Errors
 /// Returns an error if a file cannot be read or used, or a run has no cell to compare.
 pub fn run(args: &Args) -> Result<()> {
+    let args = &Args {
+        runs: of_kind(&args.runs, "run", Kind::Run)?,
+        truth: of_kind(&args.truth, "truth file", Kind::Truth)?,
+        ..args.clone()
+    };
     check_counts(args)?;
     let out = args.out.clone().unwrap_or_else(|| {
         let folder = args.runs[0].parent().unwrap_or(Path::new(""));

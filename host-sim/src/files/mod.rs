@@ -5,6 +5,7 @@ pub mod csv;
 pub mod data_set;
 pub mod flash_image;
 mod flaw;
+pub mod folder;
 pub mod geo_parquet;
 pub mod kept;
 pub mod kind;

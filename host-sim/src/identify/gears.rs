@@ -21,6 +21,17 @@ const BRIEF_FLOOR: f64 = 0.005;
 /// Relative sigma of the ratio of a gear that was not driven.
 const UNSEEN: f64 = 0.1;
 
+/// Returns the gear of an electric motor whose turns no signal tells: one fixed reduction, whose ratio is
+/// that of the final drive.
+#[must_use]
+pub fn single(turns_per_m: Estimate) -> FoundGear {
+    FoundGear {
+        turns_per_m,
+        reported: None,
+        origin: Origin::Assumed,
+    }
+}
+
 /// One gear.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundGear {
@@ -40,20 +51,25 @@ pub fn find(observation: &Observation) -> Vec<FoundGear> {
     let mut gears = if by_ratio.is_empty() && by_gear.is_empty() {
         unreported(observation)
     } else if observation.ratio_of_gear.is_empty() && !by_ratio.is_empty() {
-        let reported =
-            |(ratio, peak): (&i64, &Peak)| measured(peak, Some(thousandths(*ratio)), FLOOR);
-        by_ratio.iter().rev().map(reported).collect()
+        let gear = |(ratio, peak): (&i64, &Peak)| measured(peak, Some(thousandths(*ratio)), FLOOR);
+        by_ratio.iter().rev().map(gear).collect()
     } else {
-        let most_often = |(gear, ratios): (&i32, &BTreeMap<i64, u32>)| {
-            let (ratio, count) = ratios.iter().max_by_key(|(_, count)| **count)?;
-            (*gear > 0 && *count >= LEAST_COUNT).then(|| (*gear, thousandths(*ratio)))
-        };
-        let reported = observation.ratio_of_gear.iter().filter_map(most_often);
         let brief = peaks(&observation.loaded_by_gear);
-        numbered(&by_gear, &reported.collect(), &brief)
+        numbered(&by_gear, &reported(observation), &brief)
     };
     gears.truncate(MAX_GEARS);
     gears
+}
+
+/// Returns the ratios of gears that a bus reports with their numbers, each the one that it reports most
+/// often.
+pub(super) fn reported(observation: &Observation) -> BTreeMap<i32, f64> {
+    let most_often = |(gear, ratios): (&i32, &BTreeMap<i64, u32>)| {
+        let (ratio, count) = ratios.iter().max_by_key(|(_, count)| **count)?;
+        (*gear > 0 && *count >= LEAST_COUNT).then(|| (*gear, thousandths(*ratio)))
+    };
+    let ratios = observation.ratio_of_gear.iter();
+    ratios.filter_map(most_often).collect()
 }
 
 /// Returns the gears of a bus that reports none: ratios that are driven for long, and those that last under

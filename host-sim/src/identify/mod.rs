@@ -20,6 +20,7 @@ pub mod fit;
 pub mod gears;
 pub mod identified;
 pub mod observation;
+mod one_vehicle;
 pub mod procedure;
 pub mod ratio_histogram;
 

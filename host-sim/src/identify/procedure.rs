@@ -4,11 +4,12 @@ use super::account::{self, Findings};
 use super::class::{self, Class, Usual};
 use super::delays;
 use super::draft::{Draft, Parameter};
-use super::estimate::{Estimate, Unknown};
+use super::estimate::Estimate;
 use super::fit::{Amounts, FittedDrive, Priors, fit};
 use super::gears::{self, FoundGear};
 use super::identified::{Identified, Origin};
 use super::observation::Observation;
+use super::one_vehicle;
 use crate::diagnose::drive::LoggedDrive;
 use crate::error::{Error, Result, on_one_line};
 use crate::files::vehicle::VehicleFile;
@@ -28,6 +29,10 @@ const LEAST_FITTED_M: f64 = 500.0;
 const ROUNDS: usize = 4;
 /// ... which is within this part.
 const MASSES_AGREE: f64 = 0.05;
+/// Masses of road vehicles and their trains, kg.
+const MASSES_KG: std::ops::RangeInclusive<f64> = 400.0..=150_000.0;
+/// Way on which a gearbox with gears has steady ratios, m.
+const STEADY_M: f64 = 2_000.0;
 /// Engines of trucks turn slower than this, rpm.
 const TRUCK_RPM: f64 = 3_200.0;
 /// Relative sigma of a torque signal, of a told mass, and of a measured traction force.
@@ -39,10 +44,6 @@ const SCALE_WRITTEN: (f64, f64) = (0.01, 2.0);
 const INDEPENDENT_M: f64 = 2_000.0;
 /// Sigma of the ratio of GNSS speed and wheel speed itself: slip, climb.
 const GROUND_FLOOR: f64 = 5e-4;
-
-/// Largest spread of final drive over wheel radius between logs of one vehicle, relative: worn and
-/// new tyres differ by 0.02 to 0.03.
-const ONE_VEHICLE: f64 = 0.04;
 
 /// What the vehicle is like.
 #[derive(Clone, Debug)]
@@ -117,6 +118,9 @@ pub fn identify(request: &Request, progress: impl Fn(&str)) -> Result<Identified
     if logs.is_empty() {
         return Err(problems.swap_remove(0));
     }
+    if request.like.is_none() {
+        one_vehicle::check(&logs, &observed)?;
+    }
     let mut observation = Observation::default();
     for one in &observed {
         observation.merge(one);
@@ -132,7 +136,6 @@ pub fn identify(request: &Request, progress: impl Fn(&str)) -> Result<Identified
     search.fit();
     search.measure_radius();
     let mut found = account::identified(&search.findings());
-    found.unknown.extend(other_vehicle(&logs, &observed));
     let delays: Vec<Delays> = search
         .drives
         .iter()
@@ -141,7 +144,26 @@ pub fn identify(request: &Request, progress: impl Fn(&str)) -> Result<Identified
     found.delays = delays::found(&delays);
     found.unknown.extend(delays::unknown(&delays));
     found.left_out = problems.iter().map(ToString::to_string).collect();
+    check_limits(&logs[0], &found)?;
     Ok(found)
+}
+
+/// Refuses a vehicle that no vehicle file may have, or that no road has.
+fn check_limits(first: &Path, found: &Identified) -> Result<()> {
+    let model = &found.vehicle.model;
+    let mass_kg = f64::from(model.vehicle.mass_kg);
+    let problem = match model.check() {
+        Err(problem) => problem.to_string(),
+        Ok(()) if !MASSES_KG.contains(&mass_kg) => {
+            format!("the mass comes out as {mass_kg:.0} kg, which no road vehicle has")
+        }
+        Ok(()) => return Ok(()),
+    };
+    let problem = format!(
+        "not identifiable from these logs: {problem}; look at units and signs of torque, force and speed \
+         (`roadgrade inspect` shows their ranges), give --vehicle, or more drives with hills"
+    );
+    Err(Error::content(first, problem))
 }
 
 /// Returns whether a problem is in the content of a log.
@@ -168,28 +190,6 @@ fn fitted(observed: &[Observation]) -> Vec<usize> {
     candidates
 }
 
-/// Returns a doubt if the axles of two logs are not those of one vehicle.
-fn other_vehicle(logs: &[PathBuf], observed: &[Observation]) -> Option<Unknown> {
-    let turns = logs
-        .iter()
-        .zip(observed)
-        .filter_map(|(log, observation)| Some((log, gears::direct_turns_per_m(observation)?)));
-    let turns: Vec<(&PathBuf, f64)> = turns.collect();
-    let least = turns.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let most = turns.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let spread = most.1 / least.1 - 1.0;
-    (spread > ONE_VEHICLE).then(|| Unknown {
-        what: format!(
-            "whether all logs are of one vehicle: the engine of {} turns {:.0} % further for a \
-             metre in the same gear ratio than that of {}",
-            on_one_line(most.0),
-            100.0 * spread,
-            on_one_line(least.0)
-        ),
-        advice: "Give the logs of one vehicle only.".to_owned(),
-    })
-}
-
 struct Search<'a> {
     request: &'a Request,
     observation: Observation,
@@ -211,15 +211,20 @@ impl<'a> Search<'a> {
             None => first_guess(&observation),
         };
         let by_torque = observation.has(Signal::EngineTorque) || observation.has_torque_in_nm();
-        let gears = if by_torque {
+        let mut gears = if by_torque {
             gears::find(&observation)
         } else {
             Vec::new()
         };
         if by_torque && gears.is_empty() {
-            let problem = "no gear is ever engaged for a second of steady travel: expected a drive \
-                           with engine speed (EEC1) and wheel speed (CCVS1)";
-            return Err(Error::content(first, problem));
+            let is_motor = observation.has(Signal::MotorTorque);
+            if !is_motor || observation.has(Signal::EngineSpeed) {
+                return Err(Error::content(first, no_gears(&observation)));
+            }
+            let usual = &class.usual;
+            let turns = usual.final_drive_ratio.value / usual.wheel_radius_m.value;
+            let sigma = turns * usual.final_drive_ratio.relative_sigma();
+            gears.push(gears::single(Estimate::new(turns, sigma)));
         }
         let draft = Draft::new(&class.usual, &class.name, &observation, &gears);
         Ok(Self {
@@ -464,6 +469,19 @@ fn check_signals(first: &Path, observation: &Observation) -> Result<()> {
         return Ok(());
     };
     Err(Error::content(first, missing))
+}
+
+/// Returns why no gear was found.
+fn no_gears(observation: &Observation) -> &'static str {
+    if !observation.has(Signal::EngineSpeed) {
+        "no engine speed: expected EEC1 (PGN 61444; column engine_speed_rpm), which shows the gears"
+    } else if observation.distance_m > STEADY_M {
+        "engine and wheels never turn at a steady ratio: a gearbox with a continuously variable ratio, \
+         or an engine that drives a generator; its torque at the wheels is not known: give a traction \
+         force (column traction_force_n), or the motor's torque (motor_torque_nm)"
+    } else {
+        "no gear is ever engaged for a second of steady travel: expected a longer drive"
+    }
 }
 
 fn first_guess(observation: &Observation) -> Class {

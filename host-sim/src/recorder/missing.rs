@@ -1,6 +1,7 @@
 //! Inputs that a drive lacks for an estimate.
 
 use super::long_run::LongRun;
+use super::plausibility::Warning;
 use crate::error::{Error, Result};
 use crate::files::vehicle::VehicleFile;
 use crate::source::read_options::ReadOptions;
@@ -26,13 +27,20 @@ pub fn check_inputs(
 /// Returns the input that a drive lacks for an estimate; `None` if none is missing. Who ignores the
 /// altitude does not miss it: the force balance alone gives a grade, with a large sigma.
 #[must_use]
-pub fn missing(vehicle: &VehicleFile, run: &LongRun, ignored: &[Signal]) -> Option<&'static str> {
+pub fn missing(vehicle: &VehicleFile, run: &LongRun, ignored: &[Signal]) -> Option<String> {
     let counters = &run.counters;
     let has_altitude = counters.altitudes_used > 0;
     let problem = if counters.speeds_used == 0 {
         "no speed: expected wheel-based speed (CCVS1, PGN 65265, or EBC2, PGN 65215; column \
          wheel_speed_mps)"
     } else if run.rows.count() == 0 {
+        let mut causes = run.warnings.iter().filter(|of| of.spoils.is_some());
+        if let Some(Warning {
+            message, advice, ..
+        }) = causes.next()
+        {
+            return Some(format!("no grade to estimate: {message}; {advice}"));
+        }
         "the vehicle never moved: no grade to estimate"
     } else if counters.tractions_used == 0 {
         match vehicle.model.vehicle.traction {
@@ -52,5 +60,5 @@ pub fn missing(vehicle: &VehicleFile, run: &LongRun, ignored: &[Signal]) -> Opti
     } else {
         return None;
     };
-    Some(problem)
+    Some(problem.to_owned())
 }

@@ -11,9 +11,16 @@ use crate::source::damage::Damage;
 use crate::terminal::counters::{CountedEvent, events};
 use crate::terminal::table::text_table;
 use comfy_table::Table;
-use estimator_core::CELL_LENGTH_M;
 use estimator_core::roadmap::MapCounters;
+use estimator_core::{CELL_LENGTH_M, VehicleParameters};
 use serde::{Serialize, Serializer};
+
+/// Masses of vehicles of one file, over the file's: a tractor alone, and a heavy road train.
+const LOADS: std::ops::RangeInclusive<f64> = 0.12..=4.0;
+/// Part of a drive that is most of it.
+const MOSTLY: f64 = 0.5;
+/// Relative sigma below which a mass is known.
+const KNOWN_PART: f64 = 0.2;
 
 /// Summary of a drive.
 #[derive(Debug, Default, Serialize)]
@@ -143,6 +150,7 @@ impl RunSummary {
             last_m = row.altitude_m.or(last_m);
             Ok(())
         })?;
+        sums.warnings.extend(sums.other_mass(&run.model.vehicle));
         let count = sums.cells.max(1) as f64;
         Ok(Self {
             valid_percent: 100.0 * (sums.valid_percent / count),
@@ -154,6 +162,31 @@ impl RunSummary {
             verdict: verdict(sums.cells, marked, &sums.disagreements, &sums.warnings),
             suspect_km: marked as f64 * f64::from(CELL_LENGTH_M) * 1e-3,
             ..sums
+        })
+    }
+
+    /// Returns true if the estimate is not to be trusted over most of the drive.
+    #[must_use]
+    pub fn is_mostly_suspect(&self) -> bool {
+        let is_spoilt = self.warnings.iter().any(|warning| warning.spoils.is_some());
+        is_spoilt || self.suspect_km > MOSTLY * self.distance_km
+    }
+
+    /// Returns a warning if the mass is known, and that of another kind of vehicle than the file's.
+    fn other_mass(&self, vehicle: &VehicleParameters) -> Option<Warning> {
+        let (kg, sigma_kg) = (self.mass_kg?, self.mass_sigma_kg?);
+        let file_kg = f64::from(vehicle.mass_kg);
+        let factor = kg / file_kg;
+        let is_known = sigma_kg < KNOWN_PART * kg;
+        (is_known && !LOADS.contains(&factor)).then(|| {
+            Warning::major(
+                "other_mass",
+                "a mass that no such vehicle has",
+                format!(
+                    "the drive shows a mass of {kg:.0} kg, the vehicle file has {file_kg:.0} kg"
+                ),
+                "look at units and signs of torque and speed, or give the file of this vehicle",
+            )
         })
     }
 

@@ -8,7 +8,7 @@ use super::parquet_table::ParquetTable;
 use super::read_options::ReadOptions;
 use super::signal_table::{SignalTableReader, is_header};
 use crate::error::{Error, Result};
-use crate::files::kind::PARQUET_MAGIC;
+use crate::files::kind::{self, Kind, PARQUET_MAGIC};
 use crate::files::log_format::{foreign, foreign_by_name, format_of};
 use std::path::Path;
 
@@ -80,6 +80,33 @@ impl Log {
             Self::Table(_) | Self::Parquet(_) => LogKind::SignalTable,
         }
     }
+}
+
+/// Returns true for a file whose first bytes are those of a log: runs, maps and others are none.
+#[must_use]
+pub fn is_log(path: &Path) -> bool {
+    let Ok(mut file) = LogFile::open(path) else {
+        return false;
+    };
+    let head = file.look_at_head();
+    match kind::of(path) {
+        Some(Kind::Parquet) => is_parquet_log(path),
+        None | Some(Kind::SignalTable | Kind::FrameLog(_)) => {
+            format_of(head).is_some() || is_header(head)
+        }
+        Some(_) => false,
+    }
+}
+
+/// Returns true for a table in Parquet that is no run: these have signals, too.
+fn is_parquet_log(path: &Path) -> bool {
+    let table = ParquetTable::open(path, &ReadOptions::default());
+    table.is_ok_and(|table| {
+        !table
+            .ignored_columns()
+            .iter()
+            .any(|name| name == "grade_percent")
+    })
 }
 
 /// Returns true for a file that may be a table of columns that are not ours: text of no other format, or

@@ -216,18 +216,29 @@ fn a_vehicle_file_as_a_model_gives_what_is_not_measured() {
 }
 
 #[test]
-fn logs_of_two_vehicles_are_doubted() {
+fn logs_of_two_vehicles_are_refused() {
     let folder = folder();
     let path = folder.path();
     simulate(path, &[&HEAVY, &LIGHT], 4_000.0, false);
-    let told = |logs: &[&str]| {
-        let arguments = [&["identify", "--out", "found.toml"][..], logs].concat();
-        let done = roadgrade(path, &arguments).success();
-        String::from_utf8_lossy(&done.get_output().stderr).into_owned()
+    let run = |arguments: &[&str]| {
+        let command = [&["identify", "--out", "found.toml"][..], arguments].concat();
+        roadgrade(path, &command)
     };
-    let doubt = "whether all logs are of one vehicle: the engine of light.log";
-    assert!(told(&["heavy.log", "light.log"]).contains(doubt));
-    assert!(!told(&["light.log", "light.log"]).contains("of one vehicle"));
+    let refused = run(&["heavy.log", "light.log"]).failure().code(1);
+    let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    for part in [
+        "of another vehicle than",
+        "heavy.log",
+        "light.log",
+        "reference torque",
+        "--like",
+    ] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    assert!(!path.join("found.toml").exists());
+    run(&["light.log", "light.log"]).success();
+    // Who says what the vehicle is like, knows what it is.
+    run(&["--like", "truck12t", "heavy.log", "light.log"]).success();
 }
 
 #[test]

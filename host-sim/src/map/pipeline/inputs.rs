@@ -1,16 +1,13 @@
 //! The runs of a command line: files and folders, with their sessions.
 
-use crate::error::{Error, Result, on_one_line};
-use crate::files::lock::is_lock;
+use crate::error::{Error, Result};
+use crate::files::folder::Folder;
 use crate::files::parquet::is_parquet;
 use crate::files::row_check::Flaw;
 use crate::files::run;
-use crate::files::temporary::is_temporary;
 use crate::map::io::session_name::check_session_name;
-use crate::terminal::print::note;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
-use walkdir::WalkDir;
 
 /// Fewest bytes of a row of RUN.csv, about.
 const BYTES_A_ROW: usize = 40;
@@ -87,7 +84,7 @@ impl Inputs {
             return self.push(input, outline);
         }
         let before = self.runs.len() + self.damaged.len();
-        let found = files_below(path)?;
+        let found = Folder::read(path, is_run)?;
         found.tell_hidden(path);
         self.damaged.extend(found.unreadable);
         let input = |path| RunInput {
@@ -158,96 +155,6 @@ fn outline(input: &RunInput) -> Result<Outline> {
         })?;
     }
     Ok((session, rows))
-}
-
-/// What a folder and its subfolders have.
-#[derive(Debug, Default)]
-struct Found {
-    /// Runs, by name.
-    files: Vec<PathBuf>,
-    /// What looks like a run, or leads to one, and cannot be read.
-    unreadable: Vec<Error>,
-    /// Names that begin with `.` or `_`: no data, as in Spark and Hive.
-    hidden: Vec<PathBuf>,
-}
-
-fn files_below(folder: &Path) -> Result<Found> {
-    let mut found = Found::default();
-    let mut entries = WalkDir::new(folder)
-        .follow_links(true)
-        .sort_by_file_name()
-        .into_iter();
-    while let Some(entry) = entries.next() {
-        let entry = match entry {
-            Ok(entry) => entry,
-            Err(e) => {
-                found.take_error(folder, e)?;
-                continue;
-            }
-        };
-        let path = entry.path();
-        let name = entry.file_name().to_string_lossy();
-        if entry.depth() > 0 && name.starts_with(['.', '_']) {
-            if entry.file_type().is_dir() {
-                entries.skip_current_dir();
-            }
-            if !is_temporary(path) && !is_lock(path) {
-                found.hidden.push(path.to_owned());
-            }
-        } else if entry.file_type().is_dir() || !is_run(path) {
-        } else if entry.file_type().is_file() {
-            found.files.push(path.to_owned());
-        } else {
-            let problem = "a pipe or a device; expected a file";
-            found.unreadable.push(Error::content(path, problem));
-        }
-    }
-    Ok(found)
-}
-
-impl Found {
-    /// Takes an error of the walk: a loop of links, and a link to nowhere, are left out.
-    fn take_error(&mut self, folder: &Path, e: walkdir::Error) -> Result<()> {
-        let path = e.path().unwrap_or(folder).to_owned();
-        if let Some(ancestor) = e.loop_ancestor() {
-            let ancestor = on_one_line(ancestor);
-            let problem = format!("a link back to {ancestor}; expected folders without a loop");
-            self.unreadable.push(Error::content(&path, problem));
-            return Ok(());
-        }
-        let e = Error::io(&path)(e.into());
-        if !path.is_symlink() {
-            return Err(e);
-        }
-        if is_run(&path) {
-            self.unreadable.push(e);
-        }
-        Ok(())
-    }
-
-    /// Prints how many names were skipped, with the first of them.
-    fn tell_hidden(&self, folder: &Path) {
-        let Self { hidden, .. } = self;
-        if hidden.is_empty() {
-            return;
-        }
-        let first: Vec<String> = hidden
-            .iter()
-            .take(3)
-            .map(|path| on_one_line(path))
-            .collect();
-        let more = if hidden.len() > first.len() {
-            ", …"
-        } else {
-            ""
-        };
-        note(format_args!(
-            "{}: {} skipped, since the name begins with . or _: {}{more}",
-            on_one_line(folder),
-            hidden.len(),
-            first.join(", ")
-        ));
-    }
 }
 
 /// Returns true if the name is that of a run.

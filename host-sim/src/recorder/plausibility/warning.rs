@@ -28,7 +28,7 @@ impl Warning {
     }
 
     /// Creates a warning about an input that the estimate depends on. `spoils` is for the verdict.
-    pub(super) fn major(
+    pub(in super::super) fn major(
         code: &'static str,
         spoils: &'static str,
         message: String,

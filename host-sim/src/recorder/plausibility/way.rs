@@ -255,8 +255,9 @@ impl Way {
     fn clock(&self) -> Option<Warning> {
         if let Some(interval_s) = self.speeds_apart_s() {
             return Some(clock_warning(format!(
-                "wheel speeds are {interval_s:.1} s apart (median), too far for an estimate: the \
-                 time looks like milliseconds, or speeds were left out"
+                "wheel speeds are {interval_s:.1} s apart (median), and an estimate needs one each \
+                 {LONGEST_S} s: the time looks like milliseconds, or the logger asks for the speed too \
+                 seldom"
             )));
         }
         let mps2 = self
