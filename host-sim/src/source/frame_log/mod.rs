@@ -3,9 +3,9 @@
 mod asc;
 mod blf;
 mod blf_container;
-mod blf_file;
 mod blf_layout;
 mod blf_object;
+mod byte_file;
 mod calendar;
 mod candump;
 mod candump_cursor;
