@@ -70,6 +70,7 @@ impl fmt::Display for Kind {
             Self::FrameLog(LogFormat::Mdf) => "an ASAM MDF 4 log",
             Self::FrameLog(LogFormat::SavvyCan) => "a SavvyCAN log",
             Self::FrameLog(LogFormat::PythonCan) => "a python-can log",
+            Self::FrameLog(LogFormat::Pcap) => "a packet capture",
             Self::SignalTable => "a signal table",
             Self::Run => "a run (of `roadgrade estimate`)",
             Self::Map => "a map (of `roadgrade fuse`)",

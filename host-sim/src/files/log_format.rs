@@ -20,6 +20,8 @@ pub enum LogFormat {
     SavvyCan,
     /// The CSV of python-can.
     PythonCan,
+    /// A packet capture, pcap or pcapng.
+    Pcap,
 }
 
 /// First bytes of a BLF file.
@@ -27,8 +29,19 @@ pub(crate) const BLF_MAGIC: &[u8] = b"LOGG";
 /// First bytes of an MDF file; the second ones of a file that its writer did not finish.
 const MDF_MAGIC: [&[u8]; 2] = [b"MDF     4", b"UnFinMF 4"];
 
+/// First bytes of a pcapng file; those of a pcap file in either byte order, with microseconds, with
+/// nanoseconds, and in Kuznetzov's variant.
+pub(crate) const PCAPNG_MAGIC: &[u8] = b"\x0a\x0d\x0d\x0a";
+const PCAP_MAGIC: [&[u8]; 5] = [
+    b"\xd4\xc3\xb2\xa1",
+    b"\xa1\xb2\xc3\xd4",
+    b"\x4d\x3c\xb2\xa1",
+    b"\xa1\xb2\x3c\x4d",
+    b"\x34\xcd\xb2\xa1",
+];
+
 /// Formats that are not read: first bytes, and the message.
-const FOREIGN: [(&[u8], &str); 12] = [
+const FOREIGN: [(&[u8], &str); 8] = [
     (ZIP_MAGIC, "is a zip archive; unpack it first"),
     (b"BZh", "is compressed with bzip2; unpack it first"),
     (b"\xfd7zXZ\0", "is compressed with xz; unpack it first"),
@@ -36,10 +49,6 @@ const FOREIGN: [(&[u8], &str); 12] = [
     (b"MDF     3", MDF_3),
     (b"MDF     2", MDF_3),
     (b"SQLite format 3\0", SQLITE),
-    (b"\xd4\xc3\xb2\xa1", PCAP),
-    (b"\xa1\xb2\xc3\xd4", PCAP),
-    (b"\x4d\x3c\xb2\xa1", PCAP),
-    (b"\x0a\x0d\x0d\x0a", PCAP),
     (b"Generic File", CANEDGE),
 ];
 
@@ -51,12 +60,11 @@ const MDF_3: &str =
     "is a recording in ASAM MDF 3, which is not read; `asammdf` exports signals as .csv";
 const SQLITE: &str = "is an SQLite database, which is not read; convert a log of python-can with its \
                       `can_logconvert` to .blf, .asc or .log";
-const PCAP: &str = "is a packet capture (PCAP), which is not read; expected a log such as `candump -l` \
-                    writes, or .asc, .trc, .blf or .mf4";
 
 /// The formats of logs, for a file of none of them.
-pub(crate) const KNOWN: &str = "candump, Vector ASC and BLF, PEAK TRC, ASAM MDF 4, the CSV of SavvyCAN and \
-                                python-can, and signal tables with a column time_s";
+pub(crate) const KNOWN: &str = "candump, Vector ASC and BLF, PEAK TRC, ASAM MDF 4, packet captures of \
+                                SocketCAN, the CSV of SavvyCAN and python-can, and signal \
+                                tables with a column time_s";
 
 /// Returns the format of a file that begins with these bytes; `None` if it is none of these. The format of
 /// a text is that of most of its lines: a log may begin with comments or events.
@@ -68,13 +76,19 @@ pub fn format_of(head: &[u8]) -> Option<LogFormat> {
     if MDF_MAGIC.iter().any(|magic| head.starts_with(magic)) {
         return Some(LogFormat::Mdf);
     }
+    if head.starts_with(PCAPNG_MAGIC) || PCAP_MAGIC.iter().any(|magic| head.starts_with(magic)) {
+        return Some(LogFormat::Pcap);
+    }
     let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
     let mut votes: Vec<(LogFormat, usize)> = Vec::new();
     for line in text.split(|byte| *byte == b'\n') {
         let Some(format) = format_of_line(line.trim_ascii()) else {
             continue;
         };
-        let is_header = matches!(format, LogFormat::SavvyCan | LogFormat::PythonCan);
+        let is_header = matches!(
+            format,
+            LogFormat::SavvyCan | LogFormat::PythonCan
+        );
         if is_header && votes.is_empty() {
             return Some(format);
         }

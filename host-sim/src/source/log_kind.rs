@@ -22,6 +22,8 @@ pub enum LogKind {
     SavvyCan,
     /// Frames of a bus, in the CSV of python-can.
     PythonCan,
+    /// Packets of SocketCAN, in pcap or pcapng.
+    Pcap,
     /// A signal table.
     SignalTable,
 }
@@ -36,6 +38,7 @@ impl fmt::Display for LogKind {
             Self::Mdf => "ASAM MDF 4 log",
             Self::SavvyCan => "SavvyCAN log",
             Self::PythonCan => "python-can log",
+            Self::Pcap => "packet capture",
             Self::SignalTable => "signal table",
         })
     }

@@ -18,6 +18,8 @@ mod interface_arbiter;
 mod line_problem;
 mod log_clock;
 mod mdf;
+mod opened;
+mod pcap;
 mod refusals;
 mod text;
 mod trc;
@@ -36,19 +38,13 @@ use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
 use crate::files::log_format::{LogFormat, format_of};
 use crate::files::utc::utc_text;
-use asc::Asc;
-use blf::BlfReader;
-use candump::Candump;
-use csv_logs::CsvLog;
 use estimator_core::Instant;
 use frame_order::FrameOrder;
 use frame_reader::{FrameReader, LoggedFrame};
 use interface_arbiter::InterfaceArbiter;
 use log_clock::{DISORDER_US, IN_ORDER, LogClock, Placed};
-use mdf::MdfReader;
+use opened::opened;
 use std::path::Path;
-use text::{LineFormat, TextReader};
-use trc::Trc;
 
 /// Times after this are those since the Unix epoch: 2001-09-09. A measurement is shorter.
 const EPOCH_FROM_US: i64 = 1_000_000_000_000_000;
@@ -77,10 +73,6 @@ pub struct FrameLog {
     is_over: bool,
 }
 
-fn text<F: LineFormat + 'static>(file: LogFile, format: F, strict: bool) -> Box<dyn FrameReader> {
-    Box::new(TextReader::new(file, format, strict))
-}
-
 impl FrameLog {
     /// Opens a candump log.
     ///
@@ -98,29 +90,11 @@ impl FrameLog {
         format: Option<LogFormat>,
         options: &ReadOptions,
     ) -> Result<Self> {
-        let strict = options.strict;
         let unknown = match format {
             None => refusals::unknown_format(file.look_at_head()),
             Some(_) => None,
         };
-        let (kind, reader) = match format {
-            Some(LogFormat::Asc) => (LogKind::Asc, text(file, Asc::default(), strict)),
-            Some(LogFormat::Trc) => (LogKind::Trc, text(file, Trc::default(), strict)),
-            Some(LogFormat::Blf) => (LogKind::Blf, BlfReader::boxed(file, strict)),
-            Some(LogFormat::Mdf) => (LogKind::Mdf, MdfReader::boxed(file, strict)?),
-            Some(LogFormat::SavvyCan) => {
-                let reader = text(file, CsvLog::savvy_can(), strict);
-                (LogKind::SavvyCan, reader)
-            }
-            Some(LogFormat::PythonCan) => {
-                let reader = text(file, CsvLog::python_can(), strict);
-                (LogKind::PythonCan, reader)
-            }
-            Some(LogFormat::Candump) | None => {
-                let format = Candump::of_head(file.look_at_head());
-                (LogKind::Candump, text(file, format, strict))
-            }
-        };
+        let (kind, reader) = opened(file, format, options.strict)?;
         Ok(Self {
             kind,
             unknown,

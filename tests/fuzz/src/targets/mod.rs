@@ -16,7 +16,7 @@ use arbitrary::{Arbitrary, Unstructured};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const ALL: [Target; 17] = [
+pub const ALL: [Target; 18] = [
     ("asc", logs::asc),
     ("blf", logs::blf),
     ("candump", logs::candump),
@@ -27,6 +27,7 @@ pub const ALL: [Target; 17] = [
     ("own_signals", own_signals::own_signals),
     ("packed", logs::packed),
     ("parquet_table", logs::parquet_table),
+    ("pcap", logs::pcap),
     ("persistent_state", persistent_state::persistent_state),
     ("python_can", logs::python_can),
     ("savvy_can", logs::savvy_can),

@@ -1,0 +1,47 @@
+//! The reader of a log, by its format.
+
+use super::asc::Asc;
+use super::blf::BlfReader;
+use super::candump::Candump;
+use super::csv_logs::CsvLog;
+use super::frame_reader::FrameReader;
+use super::mdf::MdfReader;
+use super::pcap::PcapReader;
+use super::text::{LineFormat, TextReader};
+use super::trc::Trc;
+use crate::error::Result;
+use crate::files::log_format::LogFormat;
+use crate::source::log_file::LogFile;
+use crate::source::log_kind::LogKind;
+
+fn text<F: LineFormat + 'static>(file: LogFile, format: F, strict: bool) -> Box<dyn FrameReader> {
+    Box::new(TextReader::new(file, format, strict))
+}
+
+/// Returns the reader of a log; without a format it may be one of candump.
+///
+/// # Errors
+/// Returns an error if a binary log cannot be opened.
+pub(super) fn opened(
+    mut file: LogFile,
+    format: Option<LogFormat>,
+    strict: bool,
+) -> Result<(LogKind, Box<dyn FrameReader>)> {
+    Ok(match format {
+        Some(LogFormat::Asc) => (LogKind::Asc, text(file, Asc::default(), strict)),
+        Some(LogFormat::Trc) => (LogKind::Trc, text(file, Trc::default(), strict)),
+        Some(LogFormat::Blf) => (LogKind::Blf, BlfReader::boxed(file, strict)),
+        Some(LogFormat::Mdf) => (LogKind::Mdf, MdfReader::boxed(file, strict)?),
+        Some(LogFormat::Pcap) => (LogKind::Pcap, PcapReader::boxed(file, strict)?),
+        Some(LogFormat::SavvyCan) => {
+            (LogKind::SavvyCan, text(file, CsvLog::savvy_can(), strict))
+        },
+        Some(LogFormat::PythonCan) => {
+            (LogKind::PythonCan, text(file, CsvLog::python_can(), strict))
+        },
+        Some(LogFormat::Candump) | None => {
+            let format = Candump::of_head(file.look_at_head());
+            (LogKind::Candump, text(file, format, strict))
+        }
+    })
+}
