@@ -70,6 +70,8 @@ impl fmt::Display for Kind {
             Self::FrameLog(LogFormat::Mdf) => "an ASAM MDF 4 log",
             Self::FrameLog(LogFormat::SavvyCan) => "a SavvyCAN log",
             Self::FrameLog(LogFormat::PythonCan) => "a python-can log",
+            Self::FrameLog(LogFormat::CanEdge) => "a CANedge CSV log",
+            Self::FrameLog(LogFormat::Clx) => "a log of a CL1000, CL2000 or CL3000",
             Self::FrameLog(LogFormat::Pcap) => "a packet capture",
             Self::SignalTable => "a signal table",
             Self::Run => "a run (of `roadgrade estimate`)",

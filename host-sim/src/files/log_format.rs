@@ -20,6 +20,10 @@ pub enum LogFormat {
     SavvyCan,
     /// The CSV of python-can.
     PythonCan,
+    /// The CSV of the converter for a CANedge.
+    CanEdge,
+    /// The CSV of the loggers CL1000, CL2000 and CL3000.
+    Clx,
     /// A packet capture, pcap or pcapng.
     Pcap,
 }
@@ -63,7 +67,8 @@ const SQLITE: &str = "is an SQLite database, which is not read; convert a log of
 
 /// The formats of logs, for a file of none of them.
 pub(crate) const KNOWN: &str = "candump, Vector ASC and BLF, PEAK TRC, ASAM MDF 4, packet captures of \
-                                SocketCAN, the CSV of SavvyCAN and python-can, and signal \
+                                SocketCAN, the CSV of SavvyCAN, python-can, CANedge and CL1000 to \
+                                CL3000, and signal \
                                 tables with a column time_s";
 
 /// Returns the format of a file that begins with these bytes; `None` if it is none of these. The format of
@@ -87,7 +92,7 @@ pub fn format_of(head: &[u8]) -> Option<LogFormat> {
         };
         let is_header = matches!(
             format,
-            LogFormat::SavvyCan | LogFormat::PythonCan
+            LogFormat::SavvyCan | LogFormat::PythonCan | LogFormat::CanEdge | LogFormat::Clx
         );
         if is_header && votes.is_empty() {
             return Some(format);
@@ -119,6 +124,12 @@ fn format_of_line(line: &[u8]) -> Option<LogFormat> {
     if begins(b"timestamp,arbitration_id,") {
         return Some(LogFormat::PythonCan);
     }
+    if begins(b"timestampepoch") {
+        return Some(LogFormat::CanEdge);
+    }
+    if begins(b"# logger type: cl") || is_clx_header(line) {
+        return Some(LogFormat::Clx);
+    }
     let headers = [
         &b"//"[..],
         b"base hex",
@@ -134,6 +145,15 @@ fn format_of_line(line: &[u8]) -> Option<LogFormat> {
     let number_end = line.iter().position(|byte| !byte.is_ascii_digit())?;
     let is_trc = number_end > 0 && line.get(number_end..)?.starts_with(b") ");
     is_trc.then_some(LogFormat::Trc)
+}
+
+/// Returns true for `Timestamp;Type;ID;Data`, with or without `Lost` and `Length`.
+fn is_clx_header(line: &[u8]) -> bool {
+    const NAMES: [&str; 7] = ["timestamp", "type", "lost", "id", "length", "dlc", "data"];
+    let line = String::from_utf8_lossy(line).to_ascii_lowercase();
+    let names: Vec<&str> = line.split([';', ',', '\t']).map(str::trim).collect();
+    let needed = ["timestamp", "type", "id", "data"];
+    names.iter().all(|name| NAMES.contains(name)) && needed.iter().all(|it| names.contains(it))
 }
 
 fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {

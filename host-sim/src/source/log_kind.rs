@@ -22,6 +22,10 @@ pub enum LogKind {
     SavvyCan,
     /// Frames of a bus, in the CSV of python-can.
     PythonCan,
+    /// Frames of a bus, in the CSV of the converter for a CANedge.
+    CanEdge,
+    /// Frames of a bus, in the CSV of the loggers CL1000, CL2000 and CL3000.
+    Clx,
     /// Packets of SocketCAN, in pcap or pcapng.
     Pcap,
     /// A signal table.
@@ -38,6 +42,8 @@ impl fmt::Display for LogKind {
             Self::Mdf => "ASAM MDF 4 log",
             Self::SavvyCan => "SavvyCAN log",
             Self::PythonCan => "python-can log",
+            Self::CanEdge => "CANedge CSV log",
+            Self::Clx => "log of a CL1000, CL2000 or CL3000",
             Self::Pcap => "packet capture",
             Self::SignalTable => "signal table",
         })

@@ -10,7 +10,10 @@ mod calendar;
 mod candump;
 mod candump_cursor;
 mod candump_line;
+mod clx_time;
+mod csv_columns;
 mod csv_logs;
+mod csv_row;
 mod fields;
 mod frame_order;
 mod frame_reader;
@@ -21,6 +24,7 @@ mod mdf;
 mod opened;
 mod pcap;
 mod refusals;
+mod rolling_clock;
 mod text;
 mod trc;
 

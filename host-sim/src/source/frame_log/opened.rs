@@ -3,6 +3,7 @@
 use super::asc::Asc;
 use super::blf::BlfReader;
 use super::candump::Candump;
+use super::csv_columns::Dialect;
 use super::csv_logs::CsvLog;
 use super::frame_reader::FrameReader;
 use super::mdf::MdfReader;
@@ -27,18 +28,17 @@ pub(super) fn opened(
     format: Option<LogFormat>,
     strict: bool,
 ) -> Result<(LogKind, Box<dyn FrameReader>)> {
+    let csv = |file, dialect, kind| (kind, text(file, CsvLog::of(dialect), strict));
     Ok(match format {
         Some(LogFormat::Asc) => (LogKind::Asc, text(file, Asc::default(), strict)),
         Some(LogFormat::Trc) => (LogKind::Trc, text(file, Trc::default(), strict)),
         Some(LogFormat::Blf) => (LogKind::Blf, BlfReader::boxed(file, strict)),
         Some(LogFormat::Mdf) => (LogKind::Mdf, MdfReader::boxed(file, strict)?),
         Some(LogFormat::Pcap) => (LogKind::Pcap, PcapReader::boxed(file, strict)?),
-        Some(LogFormat::SavvyCan) => {
-            (LogKind::SavvyCan, text(file, CsvLog::savvy_can(), strict))
-        },
-        Some(LogFormat::PythonCan) => {
-            (LogKind::PythonCan, text(file, CsvLog::python_can(), strict))
-        },
+        Some(LogFormat::SavvyCan) => csv(file, Dialect::SavvyCan, LogKind::SavvyCan),
+        Some(LogFormat::PythonCan) => csv(file, Dialect::PythonCan, LogKind::PythonCan),
+        Some(LogFormat::CanEdge) => csv(file, Dialect::CanEdge, LogKind::CanEdge),
+        Some(LogFormat::Clx) => csv(file, Dialect::Clx, LogKind::Clx),
         Some(LogFormat::Candump) | None => {
             let format = Candump::of_head(file.look_at_head());
             (LogKind::Candump, text(file, format, strict))

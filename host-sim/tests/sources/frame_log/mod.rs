@@ -1,6 +1,7 @@
 //! Logs in the formats of Vector and PEAK: the same frames as candump's, and all that is not a frame.
 
 mod captures;
+mod css_loggers;
 mod damage;
 mod foreign;
 mod formats;

@@ -49,6 +49,16 @@ pub fn python_can(bytes: &[u8]) {
     check(b"timestamp,arbitration_id,", bytes);
 }
 
+/// Checks CSV logs of a CANedge.
+pub fn canedge(bytes: &[u8]) {
+    check(b"TimestampEpoch;", bytes);
+}
+
+/// Checks logs of a CL1000, CL2000 or CL3000.
+pub fn clx(bytes: &[u8]) {
+    check(b"# Logger type: CL2000\n", bytes);
+}
+
 /// Checks packet captures.
 pub fn pcap(bytes: &[u8]) {
     check(b"\xd4\xc3\xb2\xa1", bytes);

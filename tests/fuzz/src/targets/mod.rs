@@ -16,10 +16,12 @@ use arbitrary::{Arbitrary, Unstructured};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const ALL: [Target; 18] = [
+pub const ALL: [Target; 20] = [
     ("asc", logs::asc),
     ("blf", logs::blf),
     ("candump", logs::candump),
+    ("canedge", logs::canedge),
+    ("clx", logs::clx),
     ("decode", decode::decode),
     ("estimator", estimator::estimator),
     ("mdf", logs::mdf),
