@@ -26,6 +26,12 @@ pub enum LogFormat {
     Clx,
     /// A packet capture, pcap or pcapng.
     Pcap,
+    /// NMEA 2000 in the text of canboat.
+    Canboat,
+    /// NMEA 2000 in the RAW of Yacht Devices.
+    YachtDevices,
+    /// NMEA 2000 in the N2K ASCII of Actisense.
+    Actisense,
 }
 
 /// First bytes of a BLF file.
@@ -68,7 +74,7 @@ const SQLITE: &str = "is an SQLite database, which is not read; convert a log of
 /// The formats of logs, for a file of none of them.
 pub(crate) const KNOWN: &str = "candump, Vector ASC and BLF, PEAK TRC, ASAM MDF 4, packet captures of \
                                 SocketCAN, the CSV of SavvyCAN, python-can, CANedge and CL1000 to \
-                                CL3000, and signal \
+                                CL3000, NMEA 2000 as text (canboat, Yacht Devices, Actisense), and signal \
                                 tables with a column time_s";
 
 /// Returns the format of a file that begins with these bytes; `None` if it is none of these. The format of
@@ -130,6 +136,9 @@ fn format_of_line(line: &[u8]) -> Option<LogFormat> {
     if begins(b"# logger type: cl") || is_clx_header(line) {
         return Some(LogFormat::Clx);
     }
+    if let Some(format) = format_of_time(line) {
+        return Some(format);
+    }
     let headers = [
         &b"//"[..],
         b"base hex",
@@ -154,6 +163,35 @@ fn is_clx_header(line: &[u8]) -> bool {
     let names: Vec<&str> = line.split([';', ',', '\t']).map(str::trim).collect();
     let needed = ["timestamp", "type", "id", "data"];
     names.iter().all(|name| NAMES.contains(name)) && needed.iter().all(|it| names.contains(it))
+}
+
+/// Returns the format of a line whose time tells it: `2026-11-22T10:00:01.500Z,2,129026,…` of canboat; `10:00:01.500 R 09F80207 …` of Yacht
+/// Devices; `A100001.500 07FF2 1F802 …` of Actisense.
+fn format_of_time(line: &[u8]) -> Option<LogFormat> {
+    let mut fields = line.split(|byte| *byte == b',').map(<[u8]>::trim_ascii);
+    let is_number = |field: &[u8]| !field.is_empty() && field.iter().all(u8::is_ascii_digit);
+    if let Some([b'0'..=b'9', _, _, _, b'-', _, _, b'-', ..]) = fields.next() {
+        let is_canboat = (0..5).all(|_| fields.next().is_some_and(is_number));
+        return is_canboat.then_some(LogFormat::Canboat);
+    }
+    let mut words = words(line);
+    let (time, second, third) = (words.next()?, words.next()?, words.next()?);
+    let count = |mark: u8| time.iter().filter(|byte| **byte == mark).count();
+    let is_hexadecimal =
+        |word: &[u8], digits: usize| word.len() == digits && word.iter().all(u8::is_ascii_hexdigit);
+    let is_clock = time
+        .iter()
+        .all(|byte| matches!(byte, b'0'..=b'9' | b':' | b'.'));
+    match (count(b':'), count(b'.')) {
+        (2, 1) if is_clock && matches!(second, b"R" | b"T") && is_hexadecimal(third, 8) => {
+            Some(LogFormat::YachtDevices)
+        }
+        (0, 1) if time.starts_with(b"A") => {
+            let is_actisense = is_hexadecimal(second, 5) && is_hexadecimal(third, 5);
+            is_actisense.then_some(LogFormat::Actisense)
+        }
+        _ => None,
+    }
 }
 
 fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {

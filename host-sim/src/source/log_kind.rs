@@ -28,6 +28,12 @@ pub enum LogKind {
     Clx,
     /// Packets of SocketCAN, in pcap or pcapng.
     Pcap,
+    /// NMEA 2000 in the text of canboat.
+    Canboat,
+    /// NMEA 2000 in the RAW of Yacht Devices.
+    YachtDevices,
+    /// NMEA 2000 in the N2K ASCII of Actisense.
+    Actisense,
     /// A signal table.
     SignalTable,
 }
@@ -45,6 +51,9 @@ impl fmt::Display for LogKind {
             Self::CanEdge => "CANedge CSV log",
             Self::Clx => "log of a CL1000, CL2000 or CL3000",
             Self::Pcap => "packet capture",
+            Self::Canboat => "canboat log",
+            Self::YachtDevices => "Yacht Devices RAW log",
+            Self::Actisense => "Actisense N2K ASCII log",
             Self::SignalTable => "signal table",
         })
     }

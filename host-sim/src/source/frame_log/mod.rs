@@ -21,12 +21,14 @@ mod interface_arbiter;
 mod line_problem;
 mod log_clock;
 mod mdf;
+mod n2k_text;
 mod opened;
 mod pcap;
 mod refusals;
 mod rolling_clock;
 mod text;
 mod trc;
+mod whole_message;
 
 pub use frame_reader::Skipped;
 pub(super) use frame_reader::{Seconds, moved_to_zero};

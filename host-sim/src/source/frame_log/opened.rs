@@ -7,6 +7,7 @@ use super::csv_columns::Dialect;
 use super::csv_logs::CsvLog;
 use super::frame_reader::FrameReader;
 use super::mdf::MdfReader;
+use super::n2k_text::{N2kText, Writer};
 use super::pcap::PcapReader;
 use super::text::{LineFormat, TextReader};
 use super::trc::Trc;
@@ -29,6 +30,7 @@ pub(super) fn opened(
     strict: bool,
 ) -> Result<(LogKind, Box<dyn FrameReader>)> {
     let csv = |file, dialect, kind| (kind, text(file, CsvLog::of(dialect), strict));
+    let n2k = |file, writer, kind| (kind, text(file, N2kText::of(writer), strict));
     Ok(match format {
         Some(LogFormat::Asc) => (LogKind::Asc, text(file, Asc::default(), strict)),
         Some(LogFormat::Trc) => (LogKind::Trc, text(file, Trc::default(), strict)),
@@ -39,6 +41,9 @@ pub(super) fn opened(
         Some(LogFormat::PythonCan) => csv(file, Dialect::PythonCan, LogKind::PythonCan),
         Some(LogFormat::CanEdge) => csv(file, Dialect::CanEdge, LogKind::CanEdge),
         Some(LogFormat::Clx) => csv(file, Dialect::Clx, LogKind::Clx),
+        Some(LogFormat::Canboat) => n2k(file, Writer::Canboat, LogKind::Canboat),
+        Some(LogFormat::YachtDevices) => n2k(file, Writer::YachtDevices, LogKind::YachtDevices),
+        Some(LogFormat::Actisense) => n2k(file, Writer::Actisense, LogKind::Actisense),
         Some(LogFormat::Candump) | None => {
             let format = Candump::of_head(file.look_at_head());
             (LogKind::Candump, text(file, format, strict))

@@ -8,6 +8,7 @@ mod formats;
 mod interfaces;
 mod left_out;
 mod mdf_layouts;
+mod n2k_text;
 mod packed_damage;
 mod times;
 mod writers;

@@ -59,6 +59,16 @@ pub fn clx(bytes: &[u8]) {
     check(b"# Logger type: CL2000\n", bytes);
 }
 
+/// Checks NMEA 2000 as text: the first line says whose it is.
+pub fn n2k_text(bytes: &[u8]) {
+    let line: &[u8] = match bytes.first() {
+        Some(b'A') => b"A100001.500 07FF2 1F802 FF\n",
+        Some(b'2') => b"2026-11-22T10:00:01.500Z,2,129026,7,255,1,ff\n",
+        _ => b"10:00:01.500 R 09F80207 FF\n",
+    };
+    check_frames(&[line, bytes].concat(), open);
+}
+
 /// Checks packet captures.
 pub fn pcap(bytes: &[u8]) {
     check(b"\xd4\xc3\xb2\xa1", bytes);

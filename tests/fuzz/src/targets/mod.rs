@@ -16,7 +16,7 @@ use arbitrary::{Arbitrary, Unstructured};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const ALL: [Target; 20] = [
+pub const ALL: [Target; 21] = [
     ("asc", logs::asc),
     ("blf", logs::blf),
     ("candump", logs::candump),
@@ -25,6 +25,7 @@ pub const ALL: [Target; 20] = [
     ("decode", decode::decode),
     ("estimator", estimator::estimator),
     ("mdf", logs::mdf),
+    ("n2k_text", logs::n2k_text),
     ("osm_pbf", osm_pbf::osm_pbf),
     ("own_signals", own_signals::own_signals),
     ("packed", logs::packed),
