@@ -73,6 +73,7 @@ impl fmt::Display for Kind {
             Self::FrameLog(LogFormat::CanEdge) => "a CANedge CSV log",
             Self::FrameLog(LogFormat::Clx) => "a log of a CL1000, CL2000 or CL3000",
             Self::FrameLog(LogFormat::Pcap) => "a packet capture",
+            Self::FrameLog(LogFormat::Busmaster) => "a BUSMASTER log",
             Self::FrameLog(LogFormat::Canboat) => "a canboat log",
             Self::FrameLog(LogFormat::YachtDevices) => "a Yacht Devices RAW log",
             Self::FrameLog(LogFormat::Actisense) => "an Actisense N2K ASCII log",

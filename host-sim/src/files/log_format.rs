@@ -26,6 +26,8 @@ pub enum LogFormat {
     Clx,
     /// A packet capture, pcap or pcapng.
     Pcap,
+    /// The text of BUSMASTER.
+    Busmaster,
     /// NMEA 2000 in the text of canboat.
     Canboat,
     /// NMEA 2000 in the RAW of Yacht Devices.
@@ -73,7 +75,7 @@ const SQLITE: &str = "is an SQLite database, which is not read; convert a log of
 
 /// The formats of logs, for a file of none of them.
 pub(crate) const KNOWN: &str = "candump, Vector ASC and BLF, PEAK TRC, ASAM MDF 4, packet captures of \
-                                SocketCAN, the CSV of SavvyCAN, python-can, CANedge and CL1000 to \
+                                SocketCAN, BUSMASTER, the CSV of SavvyCAN, python-can, CANedge and CL1000 to \
                                 CL3000, NMEA 2000 as text (canboat, Yacht Devices, Actisense), and signal \
                                 tables with a column time_s";
 
@@ -165,9 +167,13 @@ fn is_clx_header(line: &[u8]) -> bool {
     names.iter().all(|name| NAMES.contains(name)) && needed.iter().all(|it| names.contains(it))
 }
 
-/// Returns the format of a line whose time tells it: `2026-11-22T10:00:01.500Z,2,129026,…` of canboat; `10:00:01.500 R 09F80207 …` of Yacht
+/// Returns the format of a line whose time tells it: `10:00:01:5000 Rx 1 …` and lines between stars of
+/// BUSMASTER; `2026-11-22T10:00:01.500Z,2,129026,…` of canboat; `10:00:01.500 R 09F80207 …` of Yacht
 /// Devices; `A100001.500 07FF2 1F802 …` of Actisense.
 fn format_of_time(line: &[u8]) -> Option<LogFormat> {
+    if line.starts_with(b"***") {
+        return Some(LogFormat::Busmaster);
+    }
     let mut fields = line.split(|byte| *byte == b',').map(<[u8]>::trim_ascii);
     let is_number = |field: &[u8]| !field.is_empty() && field.iter().all(u8::is_ascii_digit);
     if let Some([b'0'..=b'9', _, _, _, b'-', _, _, b'-', ..]) = fields.next() {
@@ -183,6 +189,7 @@ fn format_of_time(line: &[u8]) -> Option<LogFormat> {
         .iter()
         .all(|byte| matches!(byte, b'0'..=b'9' | b':' | b'.'));
     match (count(b':'), count(b'.')) {
+        (3, 0) if is_clock => Some(LogFormat::Busmaster),
         (2, 1) if is_clock && matches!(second, b"R" | b"T") && is_hexadecimal(third, 8) => {
             Some(LogFormat::YachtDevices)
         }

@@ -28,6 +28,8 @@ pub enum LogKind {
     Clx,
     /// Packets of SocketCAN, in pcap or pcapng.
     Pcap,
+    /// Frames of a bus, in the text of BUSMASTER.
+    Busmaster,
     /// NMEA 2000 in the text of canboat.
     Canboat,
     /// NMEA 2000 in the RAW of Yacht Devices.
@@ -51,6 +53,7 @@ impl fmt::Display for LogKind {
             Self::CanEdge => "CANedge CSV log",
             Self::Clx => "log of a CL1000, CL2000 or CL3000",
             Self::Pcap => "packet capture",
+            Self::Busmaster => "BUSMASTER log",
             Self::Canboat => "canboat log",
             Self::YachtDevices => "Yacht Devices RAW log",
             Self::Actisense => "Actisense N2K ASCII log",

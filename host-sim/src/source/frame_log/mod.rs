@@ -5,6 +5,7 @@ mod blf;
 mod blf_container;
 mod blf_layout;
 mod blf_object;
+mod busmaster;
 mod byte_file;
 mod calendar;
 mod candump;

@@ -2,6 +2,7 @@
 
 use super::asc::Asc;
 use super::blf::BlfReader;
+use super::busmaster::Busmaster;
 use super::candump::Candump;
 use super::csv_columns::Dialect;
 use super::csv_logs::CsvLog;
@@ -37,6 +38,10 @@ pub(super) fn opened(
         Some(LogFormat::Blf) => (LogKind::Blf, BlfReader::boxed(file, strict)),
         Some(LogFormat::Mdf) => (LogKind::Mdf, MdfReader::boxed(file, strict)?),
         Some(LogFormat::Pcap) => (LogKind::Pcap, PcapReader::boxed(file, strict)?),
+        Some(LogFormat::Busmaster) => {
+            let reader = text(file, Busmaster::default(), strict);
+            (LogKind::Busmaster, reader)
+        }
         Some(LogFormat::SavvyCan) => csv(file, Dialect::SavvyCan, LogKind::SavvyCan),
         Some(LogFormat::PythonCan) => csv(file, Dialect::PythonCan, LogKind::PythonCan),
         Some(LogFormat::CanEdge) => csv(file, Dialect::CanEdge, LogKind::CanEdge),

@@ -1,5 +1,6 @@
 //! Logs in the formats of Vector and PEAK: the same frames as candump's, and all that is not a frame.
 
+mod busmaster;
 mod captures;
 mod css_loggers;
 mod damage;

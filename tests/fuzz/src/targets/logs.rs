@@ -59,6 +59,11 @@ pub fn clx(bytes: &[u8]) {
     check(b"# Logger type: CL2000\n", bytes);
 }
 
+/// Checks logs of BUSMASTER.
+pub fn busmaster(bytes: &[u8]) {
+    check(b"***", bytes);
+}
+
 /// Checks NMEA 2000 as text: the first line says whose it is.
 pub fn n2k_text(bytes: &[u8]) {
     let line: &[u8] = match bytes.first() {

@@ -16,9 +16,10 @@ use arbitrary::{Arbitrary, Unstructured};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const ALL: [Target; 21] = [
+pub const ALL: [Target; 22] = [
     ("asc", logs::asc),
     ("blf", logs::blf),
+    ("busmaster", logs::busmaster),
     ("candump", logs::candump),
     ("canedge", logs::canedge),
     ("clx", logs::clx),
