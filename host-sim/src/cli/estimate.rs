@@ -85,8 +85,8 @@ pub struct Args {
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
-    /// Log of frames (candump, ASC, TRC, BLF, MDF 4, CSV of SavvyCAN or python-can) or signal table (.csv);
-    /// plain, gzip or zstd; - is standard input.
+    /// Log of frames (candump, ASC, TRC, BLF, MDF 4, pcap, BUSMASTER, CSV of SavvyCAN, python-can or
+    /// CANedge, NMEA 2000 as text) or signal table (.csv); plain, gzip or zstd; - is standard input.
     log: PathBuf,
 }
 

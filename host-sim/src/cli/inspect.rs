@@ -37,8 +37,8 @@ use std::path::{Path, PathBuf};
         roadgrade inspect --json table.csv | jq '.needs[] | select(.presence != \"present\")'"
 )]
 pub struct Args {
-    /// A log of frames (candump, ASC, TRC, BLF, MDF 4, CSV of SavvyCAN or python-can) or a signal table
-    /// (.csv); plain, gzip or zstd; - is standard input.
+    /// A log of frames (candump, ASC, TRC, BLF, MDF 4, pcap, BUSMASTER, CSV of SavvyCAN, python-can or
+    /// CANedge, NMEA 2000 as text) or a signal table (.csv); plain, gzip or zstd; - is standard input.
     log: PathBuf,
     #[command(flatten)]
     reading: LogOptions,

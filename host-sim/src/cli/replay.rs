@@ -46,7 +46,8 @@ pub struct Args {
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
-    /// Log of frames: candump, ASC, TRC, BLF, MDF 4, CSV of SavvyCAN or python-can; plain, gzip or zstd.
+    /// Log of frames: candump, ASC, TRC, BLF, MDF 4, pcap, BUSMASTER, CSV of SavvyCAN, python-can or CANedge,
+    /// NMEA 2000 as text; plain, gzip or zstd.
     log: PathBuf,
 }
 

@@ -20,6 +20,20 @@ pub enum LogFormat {
     SavvyCan,
     /// The CSV of python-can.
     PythonCan,
+    /// The CSV of the converter for a CANedge.
+    CanEdge,
+    /// The CSV of the loggers CL1000, CL2000 and CL3000.
+    Clx,
+    /// A packet capture, pcap or pcapng.
+    Pcap,
+    /// The text of BUSMASTER.
+    Busmaster,
+    /// NMEA 2000 in the text of canboat.
+    Canboat,
+    /// NMEA 2000 in the RAW of Yacht Devices.
+    YachtDevices,
+    /// NMEA 2000 in the N2K ASCII of Actisense.
+    Actisense,
 }
 
 /// First bytes of a BLF file.
@@ -27,8 +41,19 @@ pub(crate) const BLF_MAGIC: &[u8] = b"LOGG";
 /// First bytes of an MDF file; the second ones of a file that its writer did not finish.
 const MDF_MAGIC: [&[u8]; 2] = [b"MDF     4", b"UnFinMF 4"];
 
+/// First bytes of a pcapng file; those of a pcap file in either byte order, with microseconds, with
+/// nanoseconds, and in Kuznetzov's variant.
+pub(crate) const PCAPNG_MAGIC: &[u8] = b"\x0a\x0d\x0d\x0a";
+const PCAP_MAGIC: [&[u8]; 5] = [
+    b"\xd4\xc3\xb2\xa1",
+    b"\xa1\xb2\xc3\xd4",
+    b"\x4d\x3c\xb2\xa1",
+    b"\xa1\xb2\x3c\x4d",
+    b"\x34\xcd\xb2\xa1",
+];
+
 /// Formats that are not read: first bytes, and the message.
-const FOREIGN: [(&[u8], &str); 12] = [
+const FOREIGN: [(&[u8], &str); 8] = [
     (ZIP_MAGIC, "is a zip archive; unpack it first"),
     (b"BZh", "is compressed with bzip2; unpack it first"),
     (b"\xfd7zXZ\0", "is compressed with xz; unpack it first"),
@@ -36,10 +61,6 @@ const FOREIGN: [(&[u8], &str); 12] = [
     (b"MDF     3", MDF_3),
     (b"MDF     2", MDF_3),
     (b"SQLite format 3\0", SQLITE),
-    (b"\xd4\xc3\xb2\xa1", PCAP),
-    (b"\xa1\xb2\xc3\xd4", PCAP),
-    (b"\x4d\x3c\xb2\xa1", PCAP),
-    (b"\x0a\x0d\x0d\x0a", PCAP),
     (b"Generic File", CANEDGE),
 ];
 
@@ -51,12 +72,12 @@ const MDF_3: &str =
     "is a recording in ASAM MDF 3, which is not read; `asammdf` exports signals as .csv";
 const SQLITE: &str = "is an SQLite database, which is not read; convert a log of python-can with its \
                       `can_logconvert` to .blf, .asc or .log";
-const PCAP: &str = "is a packet capture (PCAP), which is not read; expected a log such as `candump -l` \
-                    writes, or .asc, .trc, .blf or .mf4";
 
 /// The formats of logs, for a file of none of them.
-pub(crate) const KNOWN: &str = "candump, Vector ASC and BLF, PEAK TRC, ASAM MDF 4, the CSV of SavvyCAN and \
-                                python-can, and signal tables with a column time_s";
+pub(crate) const KNOWN: &str = "candump, Vector ASC and BLF, PEAK TRC, ASAM MDF 4, packet captures of \
+                                SocketCAN, BUSMASTER, the CSV of SavvyCAN, python-can, CANedge and CL1000 to \
+                                CL3000, NMEA 2000 as text (canboat, Yacht Devices, Actisense), and signal \
+                                tables with a column time_s";
 
 /// Returns the format of a file that begins with these bytes; `None` if it is none of these. The format of
 /// a text is that of most of its lines: a log may begin with comments or events.
@@ -68,13 +89,19 @@ pub fn format_of(head: &[u8]) -> Option<LogFormat> {
     if MDF_MAGIC.iter().any(|magic| head.starts_with(magic)) {
         return Some(LogFormat::Mdf);
     }
+    if head.starts_with(PCAPNG_MAGIC) || PCAP_MAGIC.iter().any(|magic| head.starts_with(magic)) {
+        return Some(LogFormat::Pcap);
+    }
     let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
     let mut votes: Vec<(LogFormat, usize)> = Vec::new();
     for line in text.split(|byte| *byte == b'\n') {
         let Some(format) = format_of_line(line.trim_ascii()) else {
             continue;
         };
-        let is_header = matches!(format, LogFormat::SavvyCan | LogFormat::PythonCan);
+        let is_header = matches!(
+            format,
+            LogFormat::SavvyCan | LogFormat::PythonCan | LogFormat::CanEdge | LogFormat::Clx
+        );
         if is_header && votes.is_empty() {
             return Some(format);
         }
@@ -105,6 +132,15 @@ fn format_of_line(line: &[u8]) -> Option<LogFormat> {
     if begins(b"timestamp,arbitration_id,") {
         return Some(LogFormat::PythonCan);
     }
+    if begins(b"timestampepoch") {
+        return Some(LogFormat::CanEdge);
+    }
+    if begins(b"# logger type: cl") || is_clx_header(line) {
+        return Some(LogFormat::Clx);
+    }
+    if let Some(format) = format_of_time(line) {
+        return Some(format);
+    }
     let headers = [
         &b"//"[..],
         b"base hex",
@@ -120,6 +156,49 @@ fn format_of_line(line: &[u8]) -> Option<LogFormat> {
     let number_end = line.iter().position(|byte| !byte.is_ascii_digit())?;
     let is_trc = number_end > 0 && line.get(number_end..)?.starts_with(b") ");
     is_trc.then_some(LogFormat::Trc)
+}
+
+/// Returns true for `Timestamp;Type;ID;Data`, with or without `Lost` and `Length`.
+fn is_clx_header(line: &[u8]) -> bool {
+    const NAMES: [&str; 7] = ["timestamp", "type", "lost", "id", "length", "dlc", "data"];
+    let line = String::from_utf8_lossy(line).to_ascii_lowercase();
+    let names: Vec<&str> = line.split([';', ',', '\t']).map(str::trim).collect();
+    let needed = ["timestamp", "type", "id", "data"];
+    names.iter().all(|name| NAMES.contains(name)) && needed.iter().all(|it| names.contains(it))
+}
+
+/// Returns the format of a line whose time tells it: `10:00:01:5000 Rx 1 …` and lines between stars of
+/// BUSMASTER; `2026-11-22T10:00:01.500Z,2,129026,…` of canboat; `10:00:01.500 R 09F80207 …` of Yacht
+/// Devices; `A100001.500 07FF2 1F802 …` of Actisense.
+fn format_of_time(line: &[u8]) -> Option<LogFormat> {
+    if line.starts_with(b"***") {
+        return Some(LogFormat::Busmaster);
+    }
+    let mut fields = line.split(|byte| *byte == b',').map(<[u8]>::trim_ascii);
+    let is_number = |field: &[u8]| !field.is_empty() && field.iter().all(u8::is_ascii_digit);
+    if let Some([b'0'..=b'9', _, _, _, b'-', _, _, b'-', ..]) = fields.next() {
+        let is_canboat = (0..5).all(|_| fields.next().is_some_and(is_number));
+        return is_canboat.then_some(LogFormat::Canboat);
+    }
+    let mut words = words(line);
+    let (time, second, third) = (words.next()?, words.next()?, words.next()?);
+    let count = |mark: u8| time.iter().filter(|byte| **byte == mark).count();
+    let is_hexadecimal =
+        |word: &[u8], digits: usize| word.len() == digits && word.iter().all(u8::is_ascii_hexdigit);
+    let is_clock = time
+        .iter()
+        .all(|byte| matches!(byte, b'0'..=b'9' | b':' | b'.'));
+    match (count(b':'), count(b'.')) {
+        (3, 0) if is_clock => Some(LogFormat::Busmaster),
+        (2, 1) if is_clock && matches!(second, b"R" | b"T") && is_hexadecimal(third, 8) => {
+            Some(LogFormat::YachtDevices)
+        }
+        (0, 1) if time.starts_with(b"A") => {
+            let is_actisense = is_hexadecimal(second, 5) && is_hexadecimal(third, 5);
+            is_actisense.then_some(LogFormat::Actisense)
+        }
+        _ => None,
+    }
 }
 
 fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {

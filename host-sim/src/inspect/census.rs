@@ -45,6 +45,8 @@ pub struct Census {
     pub bus_errors: u64,
     /// Records that their file marks as invalid; they are skipped.
     pub invalid_records: u64,
+    /// Messages of other networks in the same file; they are skipped.
+    pub foreign_messages: u64,
     /// Decoded signals, in the order of [`Signal`], then by source address.
     pub signals: Vec<SignalCount>,
 }
@@ -357,6 +359,7 @@ impl BusCounter {
             can_xl_frames: skipped.can_xl,
             bus_errors: skipped.bus_errors,
             invalid_records: skipped.invalid,
+            foreign_messages: skipped.foreign,
             signals: self
                 .signals
                 .into_iter()

@@ -65,6 +65,10 @@ fn overview(out: &mut String, head: &str, census: &Census) {
             "records that the file marks as invalid, left out",
         ),
         (
+            census.foreign_messages,
+            "messages of other networks, left out",
+        ),
+        (
             unusable,
             "frames of decoded messages unusable: too short, remote, or a fast packet with a hole",
         ),

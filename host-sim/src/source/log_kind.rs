@@ -22,6 +22,20 @@ pub enum LogKind {
     SavvyCan,
     /// Frames of a bus, in the CSV of python-can.
     PythonCan,
+    /// Frames of a bus, in the CSV of the converter for a CANedge.
+    CanEdge,
+    /// Frames of a bus, in the CSV of the loggers CL1000, CL2000 and CL3000.
+    Clx,
+    /// Packets of SocketCAN, in pcap or pcapng.
+    Pcap,
+    /// Frames of a bus, in the text of BUSMASTER.
+    Busmaster,
+    /// NMEA 2000 in the text of canboat.
+    Canboat,
+    /// NMEA 2000 in the RAW of Yacht Devices.
+    YachtDevices,
+    /// NMEA 2000 in the N2K ASCII of Actisense.
+    Actisense,
     /// A signal table.
     SignalTable,
 }
@@ -36,6 +50,13 @@ impl fmt::Display for LogKind {
             Self::Mdf => "ASAM MDF 4 log",
             Self::SavvyCan => "SavvyCAN log",
             Self::PythonCan => "python-can log",
+            Self::CanEdge => "CANedge CSV log",
+            Self::Clx => "log of a CL1000, CL2000 or CL3000",
+            Self::Pcap => "packet capture",
+            Self::Busmaster => "BUSMASTER log",
+            Self::Canboat => "canboat log",
+            Self::YachtDevices => "Yacht Devices RAW log",
+            Self::Actisense => "Actisense N2K ASCII log",
             Self::SignalTable => "signal table",
         })
     }

@@ -16,6 +16,8 @@ mod noise;
 mod on_map;
 #[cfg(feature = "mdf")]
 pub mod osm;
+#[cfg(feature = "mdf")]
+pub mod pcap;
 pub mod readings_drive;
 #[cfg(feature = "host")]
 pub mod roads;

@@ -1,10 +1,10 @@
 //! The objects of a BLF file, inside and outside of its containers, as one stream.
 
-use super::blf_file::{BlfFile, u16_at, u32_at};
 use super::blf_layout::{
     BASE_BYTES, CONTAINER, Flaw, MOST_PADDING, OBJECT_MAGIC, beginning, container_within, size_of,
     unpack,
 };
+use super::byte_file::{ByteFile, u16_at, u32_at};
 use super::calendar::DateTime;
 use crate::error::{Error, Result};
 use crate::files::log_format::BLF_MAGIC;
@@ -24,7 +24,7 @@ const START_AT: usize = 40;
 
 /// Reader of objects.
 pub(super) struct Containers {
-    file: BlfFile,
+    file: ByteFile,
     /// Where the newest object of the file begins.
     object_at: u64,
     is_open: bool,
@@ -47,7 +47,7 @@ pub(super) struct Containers {
 impl Containers {
     pub(super) fn new(file: LogFile) -> Self {
         Self {
-            file: BlfFile::new(file),
+            file: ByteFile::new(file),
             object_at: 0,
             is_open: false,
             origin_us: None,

@@ -1,6 +1,6 @@
 //! The layout of BLF objects and containers, and what can be wrong with them.
 
-use super::blf_file::{u16_at, u32_at};
+use super::byte_file::{u16_at, u32_at};
 use flate2::read::ZlibDecoder;
 use memchr::memmem;
 use std::io::{ErrorKind, Read};

@@ -1,6 +1,6 @@
 //! One object of a BLF file.
 
-use super::blf_file::{number, u16_at, u32_at};
+use super::byte_file::{number, u16_at, u32_at};
 use super::fields::{MOST_MICROS, identifier};
 use crate::source::can_frame::CanFrame;
 use embedded_can::Frame;

@@ -27,6 +27,8 @@ pub struct Skipped {
     pub invalid: u64,
     /// Bus errors that the interface reported.
     pub bus_errors: u64,
+    /// Messages of other networks in the same file.
+    pub foreign: u64,
 }
 
 impl Skipped {
@@ -37,6 +39,7 @@ impl Skipped {
             (self.can_xl, "CAN XL frames"),
             (self.bus_errors, "bus errors"),
             (self.invalid, "records marked as invalid"),
+            (self.foreign, "messages of other networks"),
         ];
         let found = counts.iter().filter(|(count, _)| *count > 0);
         let words: Vec<String> = found

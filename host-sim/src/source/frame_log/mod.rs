@@ -3,14 +3,18 @@
 mod asc;
 mod blf;
 mod blf_container;
-mod blf_file;
 mod blf_layout;
 mod blf_object;
+mod busmaster;
+mod byte_file;
 mod calendar;
 mod candump;
 mod candump_cursor;
 mod candump_line;
+mod clx_time;
+mod csv_columns;
 mod csv_logs;
+mod csv_row;
 mod fields;
 mod frame_order;
 mod frame_reader;
@@ -18,9 +22,14 @@ mod interface_arbiter;
 mod line_problem;
 mod log_clock;
 mod mdf;
+mod n2k_text;
+mod opened;
+mod pcap;
 mod refusals;
+mod rolling_clock;
 mod text;
 mod trc;
+mod whole_message;
 
 pub use frame_reader::Skipped;
 pub(super) use frame_reader::{Seconds, moved_to_zero};
@@ -36,19 +45,13 @@ use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
 use crate::files::log_format::{LogFormat, format_of};
 use crate::files::utc::utc_text;
-use asc::Asc;
-use blf::BlfReader;
-use candump::Candump;
-use csv_logs::CsvLog;
 use estimator_core::Instant;
 use frame_order::FrameOrder;
 use frame_reader::{FrameReader, LoggedFrame};
 use interface_arbiter::InterfaceArbiter;
 use log_clock::{DISORDER_US, IN_ORDER, LogClock, Placed};
-use mdf::MdfReader;
+use opened::opened;
 use std::path::Path;
-use text::{LineFormat, TextReader};
-use trc::Trc;
 
 /// Times after this are those since the Unix epoch: 2001-09-09. A measurement is shorter.
 const EPOCH_FROM_US: i64 = 1_000_000_000_000_000;
@@ -77,10 +80,6 @@ pub struct FrameLog {
     is_over: bool,
 }
 
-fn text<F: LineFormat + 'static>(file: LogFile, format: F, strict: bool) -> Box<dyn FrameReader> {
-    Box::new(TextReader::new(file, format, strict))
-}
-
 impl FrameLog {
     /// Opens a candump log.
     ///
@@ -98,29 +97,11 @@ impl FrameLog {
         format: Option<LogFormat>,
         options: &ReadOptions,
     ) -> Result<Self> {
-        let strict = options.strict;
         let unknown = match format {
             None => refusals::unknown_format(file.look_at_head()),
             Some(_) => None,
         };
-        let (kind, reader) = match format {
-            Some(LogFormat::Asc) => (LogKind::Asc, text(file, Asc::default(), strict)),
-            Some(LogFormat::Trc) => (LogKind::Trc, text(file, Trc::default(), strict)),
-            Some(LogFormat::Blf) => (LogKind::Blf, BlfReader::boxed(file, strict)),
-            Some(LogFormat::Mdf) => (LogKind::Mdf, MdfReader::boxed(file, strict)?),
-            Some(LogFormat::SavvyCan) => {
-                let reader = text(file, CsvLog::savvy_can(), strict);
-                (LogKind::SavvyCan, reader)
-            }
-            Some(LogFormat::PythonCan) => {
-                let reader = text(file, CsvLog::python_can(), strict);
-                (LogKind::PythonCan, reader)
-            }
-            Some(LogFormat::Candump) | None => {
-                let format = Candump::of_head(file.look_at_head());
-                (LogKind::Candump, text(file, format, strict))
-            }
-        };
+        let (kind, reader) = opened(file, format, options.strict)?;
         Ok(Self {
             kind,
             unknown,

@@ -15,8 +15,15 @@ pub(super) fn unknown_format(head: &[u8]) -> Option<String> {
 
 /// Returns what to say of a log without a frame.
 pub(super) fn no_frames(kind: LogKind, skipped: Skipped, is_empty: bool) -> String {
-    if let Some(skipped) = skipped.words() {
-        return format!("no classic CAN frame among {skipped}; expected a {kind} of a J1939 bus");
+    if let Some(words) = skipped.words() {
+        let note = if skipped.can_fd > 0 {
+            " (J1939 over CAN FD, SAE J1939-22, is not read)"
+        } else {
+            ""
+        };
+        return format!(
+            "no classic CAN frame among {words}; expected a {kind} of a J1939 bus{note}"
+        );
     }
     let what = if is_empty {
         "the file is empty"

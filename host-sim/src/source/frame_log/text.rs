@@ -8,6 +8,7 @@ use crate::source::interfaces::{InterfaceIndex, Interfaces};
 use crate::source::lines::Lines;
 use crate::source::log_file::LogFile;
 use crate::source::packing::Joint;
+use std::collections::VecDeque;
 
 /// The content of a line.
 pub(super) enum TextLine {
@@ -21,6 +22,12 @@ pub(super) enum TextLine {
         frame: CanFrame,
         /// True if the line cannot be truncated.
         is_closed: bool,
+    },
+    /// A message of more than a frame, in the frames that carry it.
+    Message {
+        micros: i64,
+        interface: InterfaceIndex,
+        frames: Vec<CanFrame>,
     },
     /// A CAN FD frame.
     FlexibleRate,
@@ -52,6 +59,8 @@ pub(super) struct TextReader<F> {
     damage_score: u32,
     /// Lines that are no frames.
     other_lines: u64,
+    /// Frames of the newest line that were not handed out yet.
+    waiting: VecDeque<LoggedFrame>,
 }
 
 /// Most lines before the first frame: a log of ASC or TRC may begin with a long list of events.
@@ -71,6 +80,7 @@ impl<F: LineFormat> TextReader<F> {
             notes: LogNotes::new(is_strict),
             damage_score: 0,
             other_lines: 0,
+            waiting: VecDeque::new(),
         }
     }
 
@@ -85,6 +95,18 @@ impl<F: LineFormat> TextReader<F> {
                 is_closed,
             }) if is_whole || is_closed => {
                 return Ok(Some(self.notes.frame(micros, interface, frame)));
+            }
+            Ok(TextLine::Message {
+                micros,
+                interface,
+                frames,
+            }) if is_whole => {
+                let notes = &mut self.notes;
+                let logged = frames
+                    .into_iter()
+                    .map(|frame| notes.frame(micros, interface, frame));
+                self.waiting.extend(logged);
+                return Ok(self.waiting.pop_front());
             }
             Err(problem) if problem.is_header && is_whole => {
                 return Err(self.wrong_line(&problem));
@@ -135,6 +157,9 @@ impl<F: LineFormat> TextReader<F> {
 
 impl<F: LineFormat> FrameReader for TextReader<F> {
     fn next_logged(&mut self) -> Result<Option<LoggedFrame>> {
+        if let Some(waiting) = self.waiting.pop_front() {
+            return Ok(Some(waiting));
+        }
         while self.lines.advance()? {
             let line = self.lines.line();
             let line = self.format.parse(line, &mut self.notes.interfaces);

@@ -192,8 +192,6 @@ fn formats_that_are_not_read_are_named() {
             b"SQLite format 3\0",
             "`can_logconvert` to .blf, .asc or .log",
         ),
-        (b"\xd4\xc3\xb2\xa1", "PCAP"),
-        (b"\x0a\x0d\x0d\x0a", "PCAP"),
         (b"\xfd7zXZ\0", "xz"),
         (
             b"Generic File",

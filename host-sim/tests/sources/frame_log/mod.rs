@@ -1,11 +1,15 @@
 //! Logs in the formats of Vector and PEAK: the same frames as candump's, and all that is not a frame.
 
+mod busmaster;
+mod captures;
+mod css_loggers;
 mod damage;
 mod foreign;
 mod formats;
 mod interfaces;
 mod left_out;
 mod mdf_layouts;
+mod n2k_text;
 mod packed_damage;
 mod times;
 mod writers;

@@ -20,6 +20,7 @@ use std::path::Path;
 use std::{fs, io};
 use test_kit::mdf::{MDF_FORMS, mdf};
 use test_kit::osm::Packing;
+use test_kit::pcap::pcap_forms;
 use traffic::{of_decode, of_estimator};
 
 fn main() -> io::Result<()> {
@@ -46,6 +47,14 @@ fn main() -> io::Result<()> {
     for (k, (blocks, data)) in MDF_FORMS.into_iter().enumerate() {
         let name = format!("form_{k}");
         write(&corpus, "mdf", &name, &mdf(&few_frames(), blocks, data))?;
+    }
+    for (k, form) in pcap_forms().into_iter().enumerate() {
+        write(
+            &corpus,
+            "pcap",
+            &format!("form_{k}"),
+            &form.file(&few_frames()),
+        )?;
     }
     for (name, method) in [("plain", 0), ("zlib", 2)] {
         write(&corpus, "blf", name, &blf(&few_frames(), method)?)?;

@@ -9,6 +9,9 @@ use host_sim::source::parquet_table::ParquetTable;
 use host_sim::source::read_options::ReadOptions;
 use std::path::Path;
 
+const PCAP_BIG_ENDIAN: &[u8] = b"\xa1\xb2\xc3\xd4";
+const PCAPNG: &[u8] = b"\x0a\x0d\x0d\x0a";
+
 /// Checks candump logs, plain or gzip.
 pub fn candump(bytes: &[u8]) {
     check_frames(bytes, |path| {
@@ -46,6 +49,36 @@ pub fn python_can(bytes: &[u8]) {
     check(b"timestamp,arbitration_id,", bytes);
 }
 
+/// Checks CSV logs of a CANedge.
+pub fn canedge(bytes: &[u8]) {
+    check(b"TimestampEpoch;", bytes);
+}
+
+/// Checks logs of a CL1000, CL2000 or CL3000.
+pub fn clx(bytes: &[u8]) {
+    check(b"# Logger type: CL2000\n", bytes);
+}
+
+/// Checks logs of BUSMASTER.
+pub fn busmaster(bytes: &[u8]) {
+    check(b"***", bytes);
+}
+
+/// Checks NMEA 2000 as text: the first line says whose it is.
+pub fn n2k_text(bytes: &[u8]) {
+    let line: &[u8] = match bytes.first() {
+        Some(b'A') => b"A100001.500 07FF2 1F802 FF\n",
+        Some(b'2') => b"2026-11-22T10:00:01.500Z,2,129026,7,255,1,ff\n",
+        _ => b"10:00:01.500 R 09F80207 FF\n",
+    };
+    check_frames(&[line, bytes].concat(), open);
+}
+
+/// Checks packet captures.
+pub fn pcap(bytes: &[u8]) {
+    check(b"\xd4\xc3\xb2\xa1", bytes);
+}
+
 /// Checks logs of lines in gzip or Zstandard. Bytes that are neither get the letters of gzip in front.
 pub fn packed(bytes: &[u8]) {
     const GZIP: &[u8] = b"\x1f\x8b";
@@ -77,17 +110,22 @@ pub fn parquet_table(bytes: &[u8]) {
 /// Checks the frames of a log that begins with these letters. Bytes that do not begin so get them in
 /// front, so that all are of the format.
 fn check(letters: &[u8], bytes: &[u8]) {
-    let head = if bytes.starts_with(letters) || bytes.starts_with(b"UnFinMF 4") {
+    // The other letters that two formats may begin with.
+    let others = [&b"UnFinMF 4"[..], PCAP_BIG_ENDIAN, PCAPNG];
+    let is_other = others.iter().any(|others| bytes.starts_with(others));
+    let head = if bytes.starts_with(letters) || is_other {
         &[]
     } else {
         letters
     };
-    check_frames(&[head, bytes].concat(), |path| {
-        match Log::open(path, &ReadOptions::default())? {
-            Log::Frames(log) => Ok(*log),
-            Log::Table(_) | Log::Parquet(_) => panic!("a log of frames is no table"),
-        }
-    });
+    check_frames(&[head, bytes].concat(), open);
+}
+
+fn open(path: &Path) -> Result<FrameLog> {
+    match Log::open(path, &ReadOptions::default())? {
+        Log::Frames(log) => Ok(*log),
+        Log::Table(_) | Log::Parquet(_) => panic!("a log of frames is no table"),
+    }
 }
 
 /// Reads a log to its end: its frames are in the order of time, or the error names the file.

@@ -16,17 +16,22 @@ use arbitrary::{Arbitrary, Unstructured};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const ALL: [Target; 17] = [
+pub const ALL: [Target; 22] = [
     ("asc", logs::asc),
     ("blf", logs::blf),
+    ("busmaster", logs::busmaster),
     ("candump", logs::candump),
+    ("canedge", logs::canedge),
+    ("clx", logs::clx),
     ("decode", decode::decode),
     ("estimator", estimator::estimator),
     ("mdf", logs::mdf),
+    ("n2k_text", logs::n2k_text),
     ("osm_pbf", osm_pbf::osm_pbf),
     ("own_signals", own_signals::own_signals),
     ("packed", logs::packed),
     ("parquet_table", logs::parquet_table),
+    ("pcap", logs::pcap),
     ("persistent_state", persistent_state::persistent_state),
     ("python_can", logs::python_can),
     ("savvy_can", logs::savvy_can),

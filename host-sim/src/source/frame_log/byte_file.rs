@@ -1,4 +1,4 @@
-//! The bytes of a BLF file, with a way back after damage.
+//! The bytes of a binary log, with a way back after damage.
 
 use crate::error::Result;
 use crate::source::log_file::LogFile;
@@ -21,8 +21,15 @@ pub(super) fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
     number(bytes, at).map(u32::from_le_bytes)
 }
 
+/// Bytes that are left out behind damage.
+pub(super) struct LeftOut {
+    pub bytes: u64,
+    /// True if they are all bytes up to the end of the file.
+    pub is_rest: bool,
+}
+
 /// The file, from which bytes are taken.
-pub(super) struct BlfFile {
+pub(super) struct ByteFile {
     file: BufReader<LogFile>,
     /// Bytes that were given back, of which `used` were taken again.
     given_back: Vec<u8>,
@@ -31,7 +38,7 @@ pub(super) struct BlfFile {
     offset: u64,
 }
 
-impl BlfFile {
+impl ByteFile {
     pub(super) fn new(file: LogFile) -> Self {
         Self {
             file: BufReader::with_capacity(1 << 16, file),
@@ -86,21 +93,43 @@ impl BlfFile {
     /// Skips to the next place with these letters, behind the first of the bytes taken last. Returns
     /// the number of bytes that are left out.
     pub(super) fn skip_to(&mut self, bytes: &mut Vec<u8>, letters: &[u8]) -> Result<u64> {
+        // The letters may begin at the end of what was read.
+        let find = |bytes: &[u8], _| memmem::find(bytes, letters);
+        let left_out = self.skip_until(bytes, letters.len() - 1, find)?;
+        Ok(left_out.bytes)
+    }
+
+    /// Skips to the place that `find` finds behind the first of the bytes taken last, or to the end.
+    /// `find` gets bytes, and true if the file has no more. What it finds within `reach` bytes from their
+    /// end, it may find only with more of them.
+    pub(super) fn skip_until(
+        &mut self,
+        bytes: &mut Vec<u8>,
+        reach: usize,
+        find: impl Fn(&[u8], bool) -> Option<usize>,
+    ) -> Result<LeftOut> {
         let mut lost = 1;
+        let mut is_over = false;
         bytes.drain(..1.min(bytes.len()));
         loop {
-            if let Some(at) = memmem::find(bytes, letters) {
+            if let Some(at) = find(bytes, is_over) {
                 self.give_back(bytes.get(at..).unwrap_or_default());
-                return Ok(lost + at as u64);
+                return Ok(LeftOut {
+                    bytes: lost + at as u64,
+                    is_rest: false,
+                });
             }
-            // The letters may begin at the end of what was read.
-            let kept = bytes.len().min(letters.len() - 1);
+            let kept = bytes.len().min(reach);
+            if is_over {
+                return Ok(LeftOut {
+                    bytes: lost + bytes.len() as u64,
+                    is_rest: true,
+                });
+            }
             lost += (bytes.len() - kept) as u64;
             bytes.drain(..bytes.len() - kept);
             self.take_more(bytes, STEP_BYTES)?;
-            if bytes.len() == kept {
-                return Ok(lost + kept as u64);
-            }
+            is_over = bytes.len() == kept;
         }
     }
 }

@@ -1,0 +1,6 @@
+#![no_main]
+
+use fuzz_targets::targets::logs::busmaster;
+use fuzz_targets::{MOST_BYTES, bounded};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| bounded(MOST_BYTES, busmaster, bytes));
