@@ -15,6 +15,7 @@ pub mod log_kind;
 pub mod log_report;
 mod log_stream;
 pub mod log_time;
+mod mdf;
 pub mod own_signals;
 mod packed_bytes;
 mod packed_members;

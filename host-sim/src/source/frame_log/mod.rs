@@ -31,6 +31,7 @@ use super::interfaces::InterfaceCount;
 use super::log_file::LogFile;
 use super::log_kind::LogKind;
 use super::log_report::LogReport;
+use super::mdf::mdf_file::MdfFile;
 use super::read_options::ReadOptions;
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
@@ -65,6 +66,8 @@ pub struct FrameLog {
     kind: LogKind,
     /// What to say if there is no frame: the first bytes are of no format.
     unknown: Option<String>,
+    /// What the file has besides frames, in words.
+    beside: Option<String>,
     reader: Box<dyn FrameReader>,
     clock: LogClock,
     order: FrameOrder,
@@ -107,7 +110,7 @@ impl FrameLog {
             Some(LogFormat::Asc) => (LogKind::Asc, text(file, Asc::default(), strict)),
             Some(LogFormat::Trc) => (LogKind::Trc, text(file, Trc::default(), strict)),
             Some(LogFormat::Blf) => (LogKind::Blf, BlfReader::boxed(file, strict)),
-            Some(LogFormat::Mdf) => (LogKind::Mdf, MdfReader::boxed(file, strict)?),
+            Some(LogFormat::Mdf) => return Self::of_mdf(MdfFile::open(file)?, None, options),
             Some(LogFormat::SavvyCan) => {
                 let reader = text(file, CsvLog::savvy_can(), strict);
                 (LogKind::SavvyCan, reader)
@@ -121,9 +124,32 @@ impl FrameLog {
                 (LogKind::Candump, text(file, format, strict))
             }
         };
+        Ok(Self::with_reader(kind, unknown, reader, options))
+    }
+
+    /// Creates a reader of the frames of an MDF file, with what to tell of its other content.
+    pub(super) fn of_mdf(
+        file: MdfFile,
+        beside: Option<String>,
+        options: &ReadOptions,
+    ) -> Result<Self> {
+        let reader = MdfReader::boxed(file, options.strict)?;
         Ok(Self {
+            beside,
+            ..Self::with_reader(LogKind::Mdf, None, reader, options)
+        })
+    }
+
+    fn with_reader(
+        kind: LogKind,
+        unknown: Option<String>,
+        reader: Box<dyn FrameReader>,
+        options: &ReadOptions,
+    ) -> Self {
+        Self {
             kind,
             unknown,
+            beside: None,
             reader,
             clock: LogClock::new(options.rejoin),
             order: FrameOrder::default(),
@@ -132,7 +158,7 @@ impl FrameLog {
             selected: 0,
             first_us: None,
             is_over: false,
-        })
+        }
     }
 
     /// Reads the next frame; `None` at the end.
@@ -320,6 +346,7 @@ impl FrameLog {
             interfaces: self.interfaces().cloned().collect(),
             start_utc: self.start_unix_micros().and_then(utc_text),
             mended: self.mended(),
+            notes: self.beside.iter().cloned().collect(),
             ..LogReport::default()
         }
     }
