@@ -84,8 +84,8 @@ pub struct Args {
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
-    /// Log of frames (candump, ASC, TRC, BLF, MDF 4, CSV of SavvyCAN or python-can) or signal table (.csv);
-    /// plain, gzip or zstd; - is standard input.
+    /// Log of frames (candump, ASC, TRC, BLF, MDF 4, CSV of SavvyCAN or python-can), decoded signals (MDF 4) or
+    /// signal table (.csv); plain, gzip or zstd; - is standard input.
     log: PathBuf,
 }
 

@@ -5,12 +5,14 @@ use super::log_options::LogOptions;
 use crate::error::{Error, Result};
 use crate::inspect::census::Census;
 use crate::inspect::census_of;
+use crate::inspect::channels::{channels_text, propose_channels};
 use crate::inspect::dbc_census::{DbcCounter, DbcSignalCount};
 use crate::inspect::needs::{Need, needs};
 use crate::inspect::proposal::{Proposal, propose, to_toml};
 use crate::inspect::text::{dbc_text, text};
 use crate::source::log_report::LogReport;
 use crate::source::own_signals::dbc::Dbc;
+use crate::source::read_options::ReadOptions;
 use crate::terminal::print::print;
 use crate::terminal::progress;
 use serde::Serialize;
@@ -27,11 +29,12 @@ use std::path::{Path, PathBuf};
         roadgrade inspect drive.log\n  \
         roadgrade inspect --all drive.log.gz\n  \
         roadgrade inspect --dbc car.dbc drive.log\n  \
+        roadgrade inspect --signals signals.toml measurement.mf4\n  \
         roadgrade inspect --json table.csv | jq '.needs[] | select(.presence != \"present\")'"
 )]
 pub struct Args {
-    /// A log of frames (candump, ASC, TRC, BLF, MDF 4, CSV of SavvyCAN or python-can) or a signal table
-    /// (.csv); plain, gzip or zstd; - is standard input.
+    /// A log of frames (candump, ASC, TRC, BLF, MDF 4, CSV of SavvyCAN or python-can), decoded signals (MDF
+    /// 4) or a signal table (.csv); plain, gzip or zstd; - is standard input.
     log: PathBuf,
     #[command(flatten)]
     reading: LogOptions,
@@ -43,6 +46,10 @@ pub struct Args {
     #[arg(long)]
     json: bool,
 }
+
+/// Above a proposal.
+const TO_START: &str =
+    "A SIGNALS.toml to start from: check each signal, above all its unit and its sign.";
 
 /// The JSON output.
 #[derive(Serialize)]
@@ -56,6 +63,35 @@ struct Inspection<'a> {
     report: &'a LogReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     dbc: Option<DbcInspection>,
+    /// Proposed mapping of the channels of a log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mapping: Option<ChannelInspection>,
+}
+
+/// A proposed mapping of channels that are not ours yet.
+#[derive(Serialize)]
+struct ChannelInspection {
+    proposal: Vec<Proposal>,
+    /// The same as a `SIGNALS.toml`.
+    signals_toml: String,
+}
+
+impl ChannelInspection {
+    /// Proposes a mapping for a log with channels, unless the user has one.
+    fn of(census: &Census, options: &ReadOptions) -> Option<Self> {
+        let is_asked = !census.channels.is_empty() && options.channels.is_none();
+        is_asked.then(|| {
+            let proposal = propose_channels(&census.channels);
+            Self {
+                signals_toml: to_toml(&proposal),
+                proposal,
+            }
+        })
+    }
+
+    fn text(&self) -> String {
+        format!("\n{TO_START}\n\n{}", self.signals_toml)
+    }
 }
 
 /// What the log has of a `.dbc` file.
@@ -81,7 +117,7 @@ impl DbcInspection {
 
     fn text(&self) -> String {
         format!(
-            "{}\nA SIGNALS.toml to start from: check each signal, above all its unit and its sign.\n\n{}",
+            "{}\n{TO_START}\n\n{}",
             dbc_text(&self.signals),
             self.signals_toml
         )
@@ -104,11 +140,15 @@ pub fn run(args: &Args) -> Result<()> {
     let dbc = counter.map(DbcInspection::of);
     let kind = kind.to_string();
     let needs = needs(&census);
+    let mapping = ChannelInspection::of(&census, &options);
     if !args.json {
         let head = format!("{}: {kind}", args.log.display());
         let interfaces = &report.interfaces;
         let dbc = dbc.as_ref().map(DbcInspection::text).unwrap_or_default();
-        return print(&(text(&head, &census, interfaces, &needs, args.all) + &dbc));
+        let mapping = mapping.as_ref().map(ChannelInspection::text);
+        let channels = channels_text(&census.channels) + &mapping.unwrap_or_default();
+        let text = text(&head, &census, interfaces, &needs, args.all);
+        return print(&(text + &dbc + &channels));
     }
     let inspection = Inspection {
         log: &args.log,
@@ -116,6 +156,7 @@ pub fn run(args: &Args) -> Result<()> {
         census: &census,
         needs: &needs,
         dbc,
+        mapping,
         report: &report,
     };
     let json =

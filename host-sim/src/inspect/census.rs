@@ -4,6 +4,7 @@ use super::pgn_names::{TRANSPORT_MANAGEMENT, name_of};
 use crate::numeric::rounding::round;
 use crate::source::can_frame::{CanFrame, TimedFrame};
 use crate::source::frame_log::Skipped;
+use crate::source::mdf_signals::ChannelCount;
 use crate::source::own_signals::OwnSignals;
 use crate::source::read_options::ReadOptions;
 use crate::source::signal_table::SignalRow;
@@ -43,6 +44,9 @@ pub struct Census {
     pub invalid_records: u64,
     /// Decoded signals, in the order of [`Signal`], then by source address.
     pub signals: Vec<SignalCount>,
+    /// Channels of a log with decoded signals, in the order of the file.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub channels: Vec<ChannelCount>,
 }
 
 /// Statistics of one parameter group.
@@ -359,6 +363,7 @@ impl BusCounter {
                     range.finish(signal, pgn)
                 })
                 .collect(),
+            channels: Vec::new(),
         }
     }
 }

@@ -20,6 +20,8 @@ const NAMES: &[(Signal, &[&str])] = &[
             "vehspeed",
             "vehspd",
             "vspd",
+            "vfzg",
+            "vehvv",
             "speed",
             "spd",
         ],
@@ -46,7 +48,14 @@ const NAMES: &[(Signal, &[&str])] = &[
     ),
     (
         Signal::EngineSpeed,
-        &["enginespeed", "engspeed", "engspd", "enginerpm", "rpm"],
+        &[
+            "enginespeed",
+            "engspeed",
+            "engspd",
+            "enginerpm",
+            "nmot",
+            "rpm",
+        ],
     ),
     (
         Signal::TractionForce,
@@ -154,7 +163,9 @@ const NAMES: &[(Signal, &[&str])] = &[
 pub struct Proposal {
     /// Our signal ([`Signal::column`]).
     pub signal: &'static str,
-    /// Name of the message.
+    /// Name of the message, or of the group of a channel; empty for a channel that is in one group
+    /// alone.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
     /// Name of its signal.
     pub source: String,
@@ -260,12 +271,16 @@ pub fn to_toml(proposals: &[Proposal]) -> String {
             ""
         };
         let mut table = format!(
-            "# seen: {}{doubt}\n[signals.{}]\nmessage = {}\nsignal = {}\n",
+            "# seen: {}{doubt}\n[signals.{}]\n",
             proposal.seen.replace(char::is_control, " "),
             proposal.signal,
-            toml::Value::from(&*proposal.message),
-            toml::Value::from(&*proposal.source),
         );
+        if !proposal.message.is_empty() {
+            let message = toml::Value::from(&*proposal.message);
+            let _ = writeln!(table, "message = {message}");
+        }
+        let source = toml::Value::from(&*proposal.source);
+        let _ = writeln!(table, "signal = {source}");
         let _ = writeln!(table, "scale = {:?}", proposal.scale);
         if proposal.offset != 0.0 {
             let _ = writeln!(table, "offset = {:?}", proposal.offset);

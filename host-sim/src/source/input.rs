@@ -95,6 +95,15 @@ pub fn for_each_input(
             let unseen = own.unseen.iter();
             unseen_signals = unseen.map(|signal| signal.column()).collect();
         }
+        Log::Signals(reader) => {
+            while let Some(row) = reader.next_row()? {
+                pass_on(&row, &mut take);
+                if pace.is_due() {
+                    options.stop.check()?;
+                    progress(reader.file().bytes_read());
+                }
+            }
+        }
         Log::Parquet(reader) => {
             while let Some(row) = reader.next_row()? {
                 pass_on(&row, &mut take);

@@ -1,6 +1,6 @@
 //! What a user asks of the reading of a log.
 
-use super::own_signals::OwnSignals;
+use super::own_signals::{ChannelMapping, OwnSignals};
 use crate::files::stop::Stop;
 use estimator_core::Signal;
 use std::sync::Arc;
@@ -18,6 +18,9 @@ pub struct ReadOptions {
     pub ignore: Vec<Signal>,
     /// Signals of the user's own messages. The built-in messages do not give these.
     pub signals: Option<Arc<OwnSignals>>,
+    /// Which channels of a log with decoded signals become ours, besides those that have the name of
+    /// one.
+    pub channels: Option<Arc<ChannelMapping>>,
     /// Stops the reading.
     pub stop: Stop,
 }
