@@ -4,6 +4,7 @@ mod can_frame;
 mod candump;
 mod frame_log;
 mod inspect;
+mod mdf_signals;
 mod own_signals;
 mod packed;
 mod parquet_table;
