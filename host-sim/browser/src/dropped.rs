@@ -2,7 +2,7 @@
 
 use host_sim::error::{Error, Result};
 use host_sim::files::vehicle::VehicleFile;
-use host_sim::source::own_signals::OwnSignals;
+use host_sim::source::own_signals::{ChannelMapping, OwnSignals};
 use host_sim::source::read_options::ReadOptions;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -47,6 +47,7 @@ impl Dropped {
         let vehicle = sorted.vehicle.map(VehicleFile::read).transpose()?;
         let options = ReadOptions {
             signals: sorted.own_signals()?,
+            channels: sorted.channels()?,
             ..ReadOptions::default()
         };
         Ok(Self {
@@ -81,11 +82,19 @@ impl<'a> Sorted<'a> {
     fn own_signals(&self) -> Result<Option<Arc<OwnSignals>>> {
         match (self.dbc, self.mapping) {
             (Some(dbc), Some(mapping)) => Ok(Some(Arc::new(OwnSignals::read(dbc, mapping)?))),
-            (Some(alone), None) | (None, Some(alone)) => {
+            (Some(alone), None) => {
                 let problem = "alone; expected a .dbc file and a .toml file that maps its signals";
                 Err(Error::content(alone, problem))
             }
-            (None, None) => Ok(None),
+            (None, _) => Ok(None),
+        }
+    }
+
+    /// Reads a mapping without a description of a bus: that of the channels of a log.
+    fn channels(&self) -> Result<Option<Arc<ChannelMapping>>> {
+        match (self.dbc, self.mapping) {
+            (None, Some(mapping)) => Ok(Some(Arc::new(ChannelMapping::read(mapping)?))),
+            _ => Ok(None),
         }
     }
 }

@@ -22,7 +22,7 @@ use std::sync::Arc;
 pub fn read(path: &Path, options: &ReadOptions) -> Result<RecordBatch> {
     let mut log = Log::open(path, options)?;
     let Log::Frames(reader) = &mut log else {
-        let problem = "is a signal table, which has no frames; expected the log of a bus";
+        let problem = "has signals and no frames; expected the log of a bus";
         return Err(Error::content(path, problem));
     };
     let mut columns = Columns::default();

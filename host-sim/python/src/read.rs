@@ -13,7 +13,8 @@ use std::path::PathBuf;
 /// strict: refuse a log with any damage; else up to 1 % is left out and counted.
 /// interfaces: read only the frames of these interfaces.
 /// ignore: names of signals to leave out.
-/// dbc, signals: description of the bus and mapping of its signals, for messages that are not built in.
+/// dbc, signals: description of the bus and mapping of its signals, for messages that are not built in;
+/// signals alone: mapping of the channels of an MDF file with decoded signals.
 ///
 /// A value that the bus does not have at a time is null. If several senders have a signal, the first
 /// one counts. `metadata["roadgrade.report"]` is what the reading found, as JSON. Raises `Error`, with

@@ -56,8 +56,8 @@ pub struct Args {
     /// Print report.json instead of tables.
     #[arg(long)]
     json: bool,
-    /// Drives of one vehicle: logs of frames (candump, ASC, TRC, BLF, MDF 4, CSV of other programs)
-    /// or signal tables.
+    /// Drives of one vehicle: logs of frames (candump, ASC, TRC, BLF, MDF 4, CSV of other programs),
+    /// decoded signals (MDF 4) or signal tables.
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
 }

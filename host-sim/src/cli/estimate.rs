@@ -86,7 +86,8 @@ pub struct Args {
     #[arg(long)]
     json: bool,
     /// Log of frames (candump, ASC, TRC, BLF, MDF 4, pcap, BUSMASTER, CSV of SavvyCAN, python-can or
-    /// CANedge, NMEA 2000 as text) or signal table (.csv); plain, gzip or zstd; - is standard input.
+    /// CANedge, NMEA 2000 as text), decoded signals (MDF 4) or signal table (.csv); plain, gzip or zstd; -
+    /// is standard input.
     log: PathBuf,
 }
 

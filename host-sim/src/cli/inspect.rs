@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::files::output::write_whole;
 use crate::inspect::census::Census;
 use crate::inspect::census_of;
+use crate::inspect::channels::{channels_text, propose_channels};
 use crate::inspect::column_census::{ColumnCount, count_columns, proposed_columns};
 use crate::inspect::dbc_census::{DbcCounter, DbcSignalCount};
 use crate::inspect::needs::{Need, needs};
@@ -34,11 +35,13 @@ use std::path::{Path, PathBuf};
         roadgrade inspect --all drive.log.gz\n  \
         roadgrade inspect --dbc car.dbc --out signals.toml drive.log\n  \
         roadgrade inspect --out columns.toml table.csv\n  \
+        roadgrade inspect --signals signals.toml measurement.mf4\n  \
         roadgrade inspect --json table.csv | jq '.needs[] | select(.presence != \"present\")'"
 )]
 pub struct Args {
     /// A log of frames (candump, ASC, TRC, BLF, MDF 4, pcap, BUSMASTER, CSV of SavvyCAN, python-can or
-    /// CANedge, NMEA 2000 as text) or a signal table (.csv); plain, gzip or zstd; - is standard input.
+    /// CANedge, NMEA 2000 as text), decoded signals (MDF 4) or a signal table (.csv); plain, gzip or zstd; -
+    /// is standard input.
     log: PathBuf,
     #[command(flatten)]
     reading: LogOptions,
@@ -54,6 +57,10 @@ pub struct Args {
     json: bool,
 }
 
+/// Above a proposal.
+const TO_START: &str =
+    "A SIGNALS.toml to start from: check each signal, above all its unit and its sign.";
+
 /// The JSON output.
 #[derive(Serialize)]
 struct Inspection<'a> {
@@ -68,6 +75,9 @@ struct Inspection<'a> {
     dbc: Option<DbcInspection>,
     #[serde(skip_serializing_if = "Option::is_none")]
     table: Option<TableInspection>,
+    /// Proposed mapping of the channels of a log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mapping: Option<ChannelInspection>,
 }
 
 /// What a table has besides our columns.
@@ -97,6 +107,32 @@ impl TableInspection {
     }
 }
 
+/// A proposed mapping of channels that are not ours yet.
+#[derive(Serialize)]
+struct ChannelInspection {
+    proposal: Vec<Proposal>,
+    /// The same as a `SIGNALS.toml`.
+    signals_toml: String,
+}
+
+impl ChannelInspection {
+    /// Proposes a mapping for a log with channels, unless the user has one.
+    fn of(census: &Census, options: &ReadOptions) -> Option<Self> {
+        let is_asked = !census.channels.is_empty() && options.channels.is_none();
+        is_asked.then(|| {
+            let proposal = propose_channels(census);
+            Self {
+                signals_toml: to_toml(&proposal),
+                proposal,
+            }
+        })
+    }
+
+    fn text(&self) -> String {
+        format!("\n{TO_START}\n\n{}", self.signals_toml)
+    }
+}
+
 /// What the log has of a `.dbc` file.
 #[derive(Serialize)]
 struct DbcInspection {
@@ -120,7 +156,7 @@ impl DbcInspection {
 
     fn text(&self) -> String {
         format!(
-            "{}\nA SIGNALS.toml to start from: check each signal, above all its unit and its sign.\n\n{}",
+            "{}\n{TO_START}\n\n{}",
             dbc_text(&self.signals),
             self.signals_toml
         )
@@ -170,7 +206,9 @@ fn of_log(args: &Args, log: &Path) -> Result<()> {
     let is_foreign = kind == LogKind::SignalTable && !report.ignored_columns.is_empty();
     let table = (is_foreign && log.is_file()).then(|| TableInspection::of(log, &census));
     let table = table.transpose()?;
+    let mapping = ChannelInspection::of(&census, &options);
     let proposed = dbc.as_ref().map(|dbc| &dbc.signals_toml);
+    let proposed = proposed.or(mapping.as_ref().map(|mapping| &mapping.signals_toml));
     write_proposal(
         args,
         log,
@@ -186,7 +224,10 @@ fn of_log(args: &Args, log: &Path) -> Result<()> {
             .as_ref()
             .map(TableInspection::text)
             .unwrap_or_default();
-        return print(&(text(&head, &census, interfaces, &needs, args.all) + &dbc + &table));
+        let mapping = mapping.as_ref().map(ChannelInspection::text);
+        let channels = channels_text(&census.channels) + &mapping.unwrap_or_default();
+        let text = text(&head, &census, interfaces, &needs, args.all);
+        return print(&(text + &dbc + &table + &channels));
     }
     let inspection = Inspection {
         log: log,
@@ -195,6 +236,7 @@ fn of_log(args: &Args, log: &Path) -> Result<()> {
         needs: &needs,
         dbc,
         table,
+        mapping,
         report: &report,
     };
     let json = serde_json::to_string_pretty(&inspection).map_err(|e| Error::io(log)(e.into()))?;

@@ -109,7 +109,7 @@ impl Args {
             address: self.publish.then_some(self.address),
             log_time: self.log_time,
             end_after_silence: self.end_after_silence,
-            own: self.own.needed_mapping()?,
+            own: self.own.bus_mapping()?,
             json: self.json,
         })
     }

@@ -14,7 +14,7 @@ const FEW: usize = 20;
 pub fn note_report(log: &Path, report: &LogReport) {
     note_damage(log, report);
     let path = on_one_line(log);
-    for words in &report.mended {
+    for words in report.mended.iter().chain(&report.notes) {
         note(format_args!("{path}: {words}"));
     }
     if let Some(columns) = in_words(&report.ignored_columns) {

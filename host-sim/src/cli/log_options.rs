@@ -2,7 +2,7 @@
 
 use super::log_notes::note_left_out;
 use crate::error::{Error, Result};
-use crate::source::own_signals::OwnSignals;
+use crate::source::own_signals::{ChannelMapping, OwnSignals};
 use crate::source::read_options::{ReadOptions, signal_named};
 use crate::source::signal_table::ColumnsFile;
 use estimator_core::Signal;
@@ -46,8 +46,9 @@ pub struct OwnOptions {
     /// Description of the bus, for messages that are not built in.
     #[arg(long, value_name = "FILE.dbc")]
     dbc: Option<PathBuf>,
-    /// Mapping of signals of FILE.dbc to ours; docs/formats.md describes it.
-    #[arg(long, value_name = "SIGNALS.toml", requires = "dbc")]
+    /// Mapping of signals of FILE.dbc to ours, or, without --dbc, of the channels of an MDF file with
+    /// decoded signals; docs/formats.md describes it.
+    #[arg(long, value_name = "SIGNALS.toml")]
     signals: Option<PathBuf>,
 }
 
@@ -62,6 +63,27 @@ impl OwnOptions {
     /// Returns the description of the bus.
     pub fn dbc(&self) -> Option<&Path> {
         self.dbc.as_deref()
+    }
+
+    /// Reads the mapping of channels: one without a description of the bus.
+    fn channels(&self) -> Result<Option<Arc<ChannelMapping>>> {
+        match (&self.dbc, &self.signals) {
+            (None, Some(signals)) => ChannelMapping::read(signals).map(Arc::new).map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    /// Reads the mapping for a bus, whose messages need a description.
+    ///
+    /// # Errors
+    /// Returns the error of either file, and a usage error for one without the other.
+    pub fn bus_mapping(&self) -> Result<Option<Arc<OwnSignals>>> {
+        if self.signals.is_some() && self.dbc.is_none() {
+            let problem = "--signals without --dbc; expected --dbc FILE.dbc, which describes the messages \
+                           of the bus";
+            return Err(Error::Usage(problem.to_owned()));
+        }
+        self.needed_mapping()
     }
 
     /// Reads the mapping, if there is one.
@@ -137,6 +159,7 @@ impl LogOptions {
         Ok(ReadOptions {
             ignore: self.ignore.clone(),
             signals,
+            channels: self.own.channels()?,
             columns: columns.transpose()?.map(Arc::new),
             ..self.frames.read_options()
         })

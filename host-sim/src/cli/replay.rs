@@ -65,9 +65,18 @@ fn pace(text: &str) -> std::result::Result<Pace, String> {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let path = &log_files::one(&args.log)?;
-    let Log::Frames(mut log) = Log::open(path, &args.reading.read_options())? else {
-        let problem = "is a signal table; expected a candump log, or one in ASC, TRC or BLF";
-        return Err(Error::content(path, problem));
+    let mut log = match Log::open(path, &args.reading.read_options())? {
+        Log::Frames(log) => log,
+        other => {
+            let what = match other {
+                Log::Signals(_) => "has decoded signals",
+                _ => "is a signal table",
+            };
+            let problem = format!(
+                "{what}; expected a candump log, or one in ASC, TRC, BLF or MDF with frames"
+            );
+            return Err(Error::content(path, problem));
+        }
     };
     let filters = if args.log_time {
         vec![of_group(log_time::PGN)]

@@ -5,6 +5,7 @@ use crate::numeric::rounding::round;
 use crate::source::can_frame::{CanFrame, TimedFrame};
 use crate::source::frame_log::Skipped;
 use crate::source::frame_readings::FrameReadings;
+use crate::source::mdf_signals::ChannelCount;
 use crate::source::obd::ObdCount;
 use crate::source::read_options::ReadOptions;
 use crate::source::signal_table::SignalRow;
@@ -49,6 +50,9 @@ pub struct Census {
     pub foreign_messages: u64,
     /// Decoded signals, in the order of [`Signal`], then by source address.
     pub signals: Vec<SignalCount>,
+    /// Channels of a log with decoded signals, in the order of the file.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub channels: Vec<ChannelCount>,
 }
 
 /// Statistics of one parameter group.
@@ -368,6 +372,7 @@ impl BusCounter {
                     range.finish(signal, pgn)
                 })
                 .collect(),
+            channels: Vec::new(),
         }
     }
 }

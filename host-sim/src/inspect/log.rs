@@ -8,6 +8,7 @@ use crate::source::frame_log::FrameLog;
 use crate::source::log::Log;
 use crate::source::log_kind::LogKind;
 use crate::source::log_report::LogReport;
+use crate::source::mdf_signals::MdfSignals;
 use crate::source::parquet_table::ParquetTable;
 use crate::source::read_options::ReadOptions;
 use crate::source::signal_table::SignalTableReader;
@@ -40,6 +41,7 @@ pub fn census_of(
         }
         Log::Table(table) => count_rows(table, progress)?,
         Log::Parquet(table) => count_parquet_rows(table)?,
+        Log::Signals(signals) => count_signals(signals, progress)?,
     };
     Ok((kind, census, log.report()))
 }
@@ -74,6 +76,24 @@ fn count_rows(table: &mut SignalTableReader, progress: impl Fn(u64)) -> Result<C
         }
     }
     Ok(counter.finish())
+}
+
+fn count_signals(log: &mut MdfSignals, progress: impl Fn(u64)) -> Result<Census> {
+    let channels = log.census()?;
+    let mut counter = TableCounter::new(log.signals());
+    let mut rows = 0_u64;
+    let is_mapped = log.signals().next().is_some();
+    while is_mapped && let Some(row) = log.next_row()? {
+        counter.add(&row);
+        rows += 1;
+        if rows.is_multiple_of(PROGRESS_STEP) {
+            progress(log.file().bytes_read());
+        }
+    }
+    Ok(Census {
+        channels,
+        ..counter.finish()
+    })
 }
 
 fn count_parquet_rows(table: &mut ParquetTable) -> Result<Census> {

@@ -2,6 +2,7 @@
 //! inputs of an estimate.
 
 pub mod census;
+pub mod channels;
 pub mod column_census;
 pub mod dbc_census;
 mod log;

@@ -21,6 +21,8 @@ const NAMES: &[(Signal, &[&str])] = &[
             "vehspeed",
             "vehspd",
             "vspd",
+            "vfzg",
+            "vehvv",
             "speed",
             "spd",
         ],
@@ -47,7 +49,14 @@ const NAMES: &[(Signal, &[&str])] = &[
     ),
     (
         Signal::EngineSpeed,
-        &["enginespeed", "engspeed", "engspd", "enginerpm", "rpm"],
+        &[
+            "enginespeed",
+            "engspeed",
+            "engspd",
+            "enginerpm",
+            "nmot",
+            "rpm",
+        ],
     ),
     (
         Signal::TractionForce,
@@ -155,7 +164,9 @@ const NAMES: &[(Signal, &[&str])] = &[
 pub struct Proposal {
     /// Our signal ([`Signal::column`]).
     pub signal: &'static str,
-    /// Name of the message.
+    /// Name of the message, or of the group of a channel; empty for a channel that is in one group
+    /// alone.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
     /// Name of its signal.
     pub source: String,
@@ -348,13 +359,13 @@ pub fn to_toml(proposals: &[Proposal]) -> String {
             .to_owned();
     }
     let tables = proposals.iter().map(|proposal| {
-        let mut table = format!(
-            "{}[signals.{}]\nmessage = {}\nsignal = {}\n",
-            proposal.comment(),
-            proposal.signal,
-            toml::Value::from(&*proposal.message),
-            toml::Value::from(&*proposal.source),
-        );
+        let mut table = format!("{}[signals.{}]\n", proposal.comment(), proposal.signal,);
+        if !proposal.message.is_empty() {
+            let message = toml::Value::from(&*proposal.message);
+            let _ = writeln!(table, "message = {message}");
+        }
+        let source = toml::Value::from(&*proposal.source);
+        let _ = writeln!(table, "signal = {source}");
         let _ = writeln!(table, "scale = {:?}", proposal.scale);
         if proposal.offset != 0.0 {
             let _ = writeln!(table, "offset = {:?}", proposal.offset);

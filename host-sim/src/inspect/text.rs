@@ -335,7 +335,7 @@ pub fn columns_text(columns: &[ColumnCount]) -> String {
     out
 }
 
-fn table(header: &[&str]) -> Table {
+pub(super) fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::ASCII_MARKDOWN);
     table.set_header(header);
@@ -343,7 +343,7 @@ fn table(header: &[&str]) -> Table {
 }
 
 /// Aligns columns to the right, headers included.
-fn align_right(table: &mut Table, columns: &[usize]) {
+pub(super) fn align_right(table: &mut Table, columns: &[usize]) {
     for column in columns {
         if let Some(column) = table.column_mut(*column) {
             column.set_cell_alignment(CellAlignment::Right);
@@ -351,7 +351,7 @@ fn align_right(table: &mut Table, columns: &[usize]) {
     }
 }
 
-fn finish(out: &mut String, table: &Table) {
+pub(super) fn finish(out: &mut String, table: &Table) {
     line(out, &table.trim_fmt());
 }
 
@@ -366,7 +366,7 @@ fn remainder(out: &mut String, counts: impl ExactSizeIterator<Item = u64>, what:
     }
 }
 
-fn line(out: &mut String, text: &str) {
+pub(super) fn line(out: &mut String, text: &str) {
     out.push_str(text);
     out.push('\n');
 }
@@ -409,7 +409,7 @@ fn some(count: u64) -> String {
 }
 
 /// Formats a number. Decimals depend on the unit: a position has more than a speed.
-fn figure(signal: &str, value: Option<f64>) -> String {
+pub(super) fn figure(signal: &str, value: Option<f64>) -> String {
     let decimals = match signal {
         "latitude_deg" | "longitude_deg" => 7,
         _ => 3,
@@ -418,7 +418,7 @@ fn figure(signal: &str, value: Option<f64>) -> String {
 }
 
 /// Formats a count with separated thousands.
-fn grouped(count: u64) -> String {
+pub(super) fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();
     for (k, digit) in digits.chars().enumerate() {

@@ -99,6 +99,15 @@ pub fn for_each_input(
             unseen_signals = unseen.map(|signal| signal.column()).collect();
             has_diagnostic_torque = readings.obd().gives(Signal::EngineTorque);
         }
+        Log::Signals(reader) => {
+            while let Some(row) = reader.next_row()? {
+                pass_on(&row, &mut take);
+                if pace.is_due() {
+                    options.stop.check()?;
+                    progress(reader.file().bytes_read());
+                }
+            }
+        }
         Log::Parquet(reader) => {
             while let Some(row) = reader.next_row()? {
                 pass_on(&row, &mut take);

@@ -4,12 +4,13 @@ use super::frame_log::FrameLog;
 use super::log_file::LogFile;
 use super::log_kind::{LogKind, kind_of};
 use super::log_report::LogReport;
+use super::mdf_signals::{self, MdfSignals};
 use super::parquet_table::ParquetTable;
 use super::read_options::ReadOptions;
 use super::signal_table::{SignalTableReader, is_header};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, on_one_line};
 use crate::files::kind::{self, Kind, PARQUET_MAGIC};
-use crate::files::log_format::{foreign, foreign_by_name, format_of};
+use crate::files::log_format::{LogFormat, foreign, foreign_by_name, format_of};
 use std::path::Path;
 
 /// An open log.
@@ -20,6 +21,8 @@ pub enum Log {
     Table(Box<SignalTableReader>),
     /// Rows of a signal table in Parquet.
     Parquet(Box<ParquetTable>),
+    /// Rows of the decoded signals of an MDF file.
+    Signals(Box<MdfSignals>),
 }
 
 impl Log {
@@ -27,9 +30,17 @@ impl Log {
     /// [`kind_of`].
     ///
     /// # Errors
-    /// Returns an error if the file cannot be opened or is of a format that is not read, or for the
-    /// header of a signal table.
+    /// Returns an error if the file cannot be opened or is of a format that is not read, for the
+    /// header of a signal table, and for a mapping of channels where there are none.
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
+        let log = Self::open_any(path, options)?;
+        if options.channels.is_some() && !matches!(log, Self::Signals(_)) {
+            return Err(without_channels(path, log.kind()));
+        }
+        Ok(log)
+    }
+
+    fn open_any(path: &Path, options: &ReadOptions) -> Result<Self> {
         let by_name = kind_of(path)?;
         let mut file = LogFile::open(path)?;
         let head = file.look_at_head();
@@ -48,6 +59,9 @@ impl Log {
             let table = SignalTableReader::new(file, options)?;
             return Ok(Self::Table(Box::new(table)));
         }
+        if format == Some(LogFormat::Mdf) {
+            return mdf_signals::open(file, options);
+        }
         let frames = FrameLog::new(file, format, options)?;
         Ok(Self::Frames(Box::new(frames)))
     }
@@ -57,6 +71,7 @@ impl Log {
     pub fn report(&self) -> LogReport {
         match self {
             Self::Frames(frames) => frames.report(),
+            Self::Signals(signals) => signals.report(),
             Self::Table(table) => LogReport {
                 damage: table.damage().clone(),
                 mended: table.mended(),
@@ -78,6 +93,7 @@ impl Log {
         match self {
             Self::Frames(frames) => frames.kind(),
             Self::Table(_) | Self::Parquet(_) => LogKind::SignalTable,
+            Self::Signals(_) => LogKind::MdfSignals,
         }
     }
 }
@@ -122,4 +138,16 @@ pub fn is_foreign_table(path: &Path) -> bool {
     }
     let is_text = str::from_utf8(head).map_or_else(|e| e.error_len().is_none(), |_| true);
     is_text && format_of(head).is_none() && foreign(head).is_none()
+}
+
+/// Returns the error for a mapping that names channels of a log without any.
+fn without_channels(path: &Path, kind: LogKind) -> Error {
+    let path = on_one_line(path);
+    let advice = match kind {
+        LogKind::SignalTable => "whose columns have the names of our signals; leave out --signals",
+        _ => "whose messages a .dbc file describes; give --dbc FILE.dbc, too",
+    };
+    Error::Usage(format!(
+        "--signals without --dbc: {path} is a {kind}, {advice}"
+    ))
 }

@@ -18,6 +18,8 @@ pub enum LogKind {
     Blf,
     /// Frames of a bus, in ASAM's measurement data format.
     Mdf,
+    /// Decoded signals, in ASAM's measurement data format.
+    MdfSignals,
     /// Frames of a bus, in the CSV of SavvyCAN and GVRET.
     SavvyCan,
     /// Frames of a bus, in the CSV of python-can.
@@ -48,6 +50,7 @@ impl fmt::Display for LogKind {
             Self::Trc => "PEAK TRC log",
             Self::Blf => "Vector BLF log",
             Self::Mdf => "ASAM MDF 4 log",
+            Self::MdfSignals => "ASAM MDF 4 signals",
             Self::SavvyCan => "SavvyCAN log",
             Self::PythonCan => "python-can log",
             Self::CanEdge => "CANedge CSV log",

@@ -17,10 +17,13 @@ pub struct LogReport {
     /// What was mended of the times of the log, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub mended: Vec<String>,
+    /// What else there is to tell of the log, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Columns of a signal table that are not ours.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ignored_columns: Vec<String>,
-    /// Own signals that no frame had, by column.
+    /// Own signals that no frame or record had, by column.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unseen_signals: Vec<&'static str>,
     /// Whether the engine torque is that of diagnostic answers (service 01), as light vehicles have it.

@@ -16,6 +16,8 @@ pub mod log_kind;
 pub mod log_report;
 mod log_stream;
 pub mod log_time;
+mod mdf;
+pub mod mdf_signals;
 pub mod obd;
 pub mod own_signals;
 mod packed_bytes;

@@ -1,6 +1,6 @@
 //! What a user asks of the reading of a log.
 
-use super::own_signals::OwnSignals;
+use super::own_signals::{ChannelMapping, OwnSignals};
 use super::signal_table::ColumnsFile;
 use crate::files::stop::Stop;
 use estimator_core::Signal;
@@ -21,6 +21,9 @@ pub struct ReadOptions {
     pub signals: Option<Arc<OwnSignals>>,
     /// What the columns of tables are.
     pub columns: Option<Arc<ColumnsFile>>,
+    /// Which channels of a log with decoded signals become ours, besides those that have the name of
+    /// one.
+    pub channels: Option<Arc<ChannelMapping>>,
     /// Stops the reading.
     pub stop: Stop,
 }

@@ -10,6 +10,7 @@ mod gnss_faults;
 mod innovations;
 mod late_receiver;
 mod latencies;
+mod mdf_signals;
 mod motor_torque;
 mod own_signals;
 mod persistent_state;

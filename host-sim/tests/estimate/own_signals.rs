@@ -9,7 +9,7 @@ use host_sim::source::signal_table;
 use std::path::Path;
 use test_kit::command::{folder, program};
 
-const VEHICLE: &str = "[vehicle]\nname = \"car\"\nmass_kg = 1500.0\ndrag_area_m2 = 0.7\n\
+pub(super) const VEHICLE: &str = "[vehicle]\nname = \"car\"\nmass_kg = 1500.0\ndrag_area_m2 = 0.7\n\
     rolling_resistance = 0.01\nwheel_radius_m = 0.31\nwheel_inertia_kgm2 = 4.0\n\
     [traction]\nsource = \"force\"\n";
 
@@ -57,21 +57,21 @@ invalid = [32767]
 "#;
 
 /// What the car sends at a time: raw numbers.
-struct Sent {
-    force: i16,
-    braking: bool,
-    speed: u16,
-    fix: Option<Fix>,
+pub(super) struct Sent {
+    pub force: i16,
+    pub braking: bool,
+    pub speed: u16,
+    pub fix: Option<Fix>,
 }
 
-struct Fix {
-    height: u32,
-    latitude: i32,
-    longitude: i32,
+pub(super) struct Fix {
+    pub height: u32,
+    pub latitude: i32,
+    pub longitude: i32,
 }
 
 /// Returns ten minutes over hills, every 100 ms, with a fix each second.
-fn drive() -> Vec<(Instant, Sent)> {
+pub(super) fn drive() -> Vec<(Instant, Sent)> {
     let mut distance_m = 0.0_f64;
     (0..6000_u32)
         .map(|k| {
@@ -112,7 +112,7 @@ const COLUMNS: [Signal; 7] = [
     Signal::WheelSpeed,
 ];
 
-fn write_table(path: &Path, drive: &[(Instant, Sent)]) {
+pub(super) fn write_table(path: &Path, drive: &[(Instant, Sent)]) {
     let rows = drive.iter().map(|(time, sent)| {
         let fix = sent.fix.as_ref();
         let values = [
@@ -181,7 +181,7 @@ fn car() -> tempfile::TempDir {
     folder
 }
 
-fn estimate(folder: &Path, log: &str, out: &str, options: &[&str]) -> String {
+pub(super) fn estimate(folder: &Path, log: &str, out: &str, options: &[&str]) -> String {
     program()
         .current_dir(folder)
         .args(["estimate", "--vehicle", "car.toml", "--out", out, log])

@@ -5,6 +5,7 @@ mod candump;
 mod foreign_tables;
 mod frame_log;
 mod inspect;
+mod mdf_signals;
 mod obd;
 mod own_signals;
 mod packed;

@@ -12,6 +12,8 @@ pub mod hilly_drive;
 pub mod late_drive;
 #[cfg(feature = "mdf")]
 pub mod mdf;
+#[cfg(feature = "mdf")]
+pub mod mdf_signals;
 mod noise;
 mod on_map;
 #[cfg(feature = "mdf")]

@@ -105,11 +105,43 @@ pub const MDF_FORMS: [(MdfBlocks, MdfData); 15] = [
     (MdfBlocks::Lz4Transposed, MdfData::SignalData),
 ];
 
-struct Writer(Vec<u8>);
+pub(crate) struct Writer(pub(crate) Vec<u8>);
 
 impl Writer {
+    /// Begins a file: room for the identification and the header block.
+    pub(crate) fn new(blocks: MdfBlocks) -> Self {
+        let mut file = Self(vec![0; START_BYTES]);
+        let mark: &[u8] = match blocks {
+            MdfBlocks::Unfinished => b"UnFinMF 4.11    kit     ",
+            _ => b"MDF     4.11    kit     ",
+        };
+        file.0[..mark.len()].copy_from_slice(mark);
+        file
+    }
+
+    /// Writes the header block: the first data group, and the start in nanoseconds.
+    pub(crate) fn header(&mut self, first: u64, start_ns: u64) {
+        let mut header = Self(vec![0; 64]);
+        let data = [&start_ns.to_le_bytes()[..], &[0; 24]].concat();
+        header.block(b"##HD", &[first, 0, 0, 0, 0, 0], &data);
+        self.0[64..START_BYTES].copy_from_slice(&header.0[64..START_BYTES]);
+    }
+
+    /// Sets a link of a block.
+    pub(crate) fn link(&mut self, block: u64, index: usize, to: u64) {
+        let at = block as usize + 24 + 8 * index;
+        self.0[at..at + 8].copy_from_slice(&to.to_le_bytes());
+    }
+
+    /// Leaves out the length of the last block, as in a file that is not finished.
+    pub(crate) fn leave_open(&mut self, block: u64) {
+        self.0[60] = 1 << 2;
+        let length = block as usize + 8;
+        self.0[length..length + 8].copy_from_slice(&24_u64.to_le_bytes());
+    }
+
     /// Writes a block and returns its place.
-    fn block(&mut self, id: &[u8; 4], links: &[u64], data: &[u8]) -> u64 {
+    pub(crate) fn block(&mut self, id: &[u8; 4], links: &[u64], data: &[u8]) -> u64 {
         while !self.0.len().is_multiple_of(8) {
             self.0.push(0);
         }
@@ -127,7 +159,7 @@ impl Writer {
         at
     }
 
-    fn text(&mut self, text: &str) -> u64 {
+    pub(crate) fn text(&mut self, text: &str) -> u64 {
         self.block(b"##TX", &[], &[text.as_bytes(), &[0]].concat())
     }
 
@@ -146,7 +178,13 @@ impl Writer {
     }
 
     /// Writes data as blocks and returns the link to them.
-    fn data(&mut self, id: &[u8; 4], bytes: &[u8], blocks: MdfBlocks, columns: usize) -> u64 {
+    pub(crate) fn data(
+        &mut self,
+        id: &[u8; 4],
+        bytes: &[u8],
+        blocks: MdfBlocks,
+        columns: usize,
+    ) -> u64 {
         if matches!(blocks, MdfBlocks::Plain | MdfBlocks::Unfinished) {
             return self.block(id, &[], bytes);
         }
@@ -168,7 +206,13 @@ impl Writer {
         self.block(b"##HL", &[list], &[0; 8])
     }
 
-    fn packed(&mut self, id: &[u8; 4], part: &[u8], blocks: MdfBlocks, columns: usize) -> u64 {
+    pub(crate) fn packed(
+        &mut self,
+        id: &[u8; 4],
+        part: &[u8],
+        blocks: MdfBlocks,
+        columns: usize,
+    ) -> u64 {
         let method = blocks.method();
         // Of two methods with the same packing, the second one is transposed.
         let is_transposed = method % 2 == 1;
@@ -219,12 +263,7 @@ fn transposed(bytes: &[u8], columns: usize) -> Vec<u8> {
 /// Panics if a frame has more than eight bytes.
 #[must_use]
 pub fn mdf(frames: &[MdfFrame], blocks: MdfBlocks, data: MdfData) -> Vec<u8> {
-    let mut file = Writer(vec![0; START_BYTES]);
-    let mark: &[u8] = match blocks {
-        MdfBlocks::Unfinished => b"UnFinMF 4.11    kit     ",
-        _ => b"MDF     4.11    kit     ",
-    };
-    file.0[..mark.len()].copy_from_slice(mark);
+    let mut file = Writer::new(blocks);
     let is_unsorted = data == MdfData::OtherGroup;
     let other = is_unsorted.then(|| file.block(b"##CG", &[0; 6], &group(2, 1, 0)));
     let mut records = Vec::new();
@@ -280,15 +319,10 @@ pub fn mdf(frames: &[MdfFrame], blocks: MdfBlocks, data: MdfData) -> Vec<u8> {
     );
     let at = file.data(b"##DT", &records, blocks, RECORD_BYTES);
     if blocks == MdfBlocks::Unfinished {
-        file.0[60] = 1 << 2;
-        let length = at as usize + 8;
-        file.0[length..length + 8].copy_from_slice(&24_u64.to_le_bytes());
+        file.leave_open(at);
     }
-    let to_data = dg as usize + 24 + 16;
-    file.0[to_data..to_data + 8].copy_from_slice(&at.to_le_bytes());
-    let mut header = Writer(vec![0; 64]);
-    header.block(b"##HD", &[dg, 0, 0, 0, 0, 0], &[0; 32]);
-    file.0[64..START_BYTES].copy_from_slice(&header.0[64..START_BYTES]);
+    file.link(dg, 2, at);
+    file.header(dg, 0);
     file.0
 }
 

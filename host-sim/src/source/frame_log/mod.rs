@@ -40,6 +40,7 @@ use super::interfaces::InterfaceCount;
 use super::log_file::LogFile;
 use super::log_kind::LogKind;
 use super::log_report::LogReport;
+use super::mdf::mdf_file::MdfFile;
 use super::read_options::ReadOptions;
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
@@ -50,6 +51,7 @@ use frame_order::FrameOrder;
 use frame_reader::{FrameReader, LoggedFrame};
 use interface_arbiter::InterfaceArbiter;
 use log_clock::{DISORDER_US, IN_ORDER, LogClock, Placed};
+use mdf::MdfReader;
 use opened::opened;
 use std::path::Path;
 
@@ -68,6 +70,8 @@ pub struct FrameLog {
     kind: LogKind,
     /// What to say if there is no frame: the first bytes are of no format.
     unknown: Option<String>,
+    /// What the file has besides frames, in words.
+    beside: Option<String>,
     reader: Box<dyn FrameReader>,
     clock: LogClock,
     order: FrameOrder,
@@ -102,9 +106,32 @@ impl FrameLog {
             Some(_) => None,
         };
         let (kind, reader) = opened(file, format, options.strict)?;
+        Ok(Self::with_reader(kind, unknown, reader, options))
+    }
+
+    /// Creates a reader of the frames of an MDF file, with what to tell of its other content.
+    pub(super) fn of_mdf(
+        file: MdfFile,
+        beside: Option<String>,
+        options: &ReadOptions,
+    ) -> Result<Self> {
+        let reader = MdfReader::boxed(file, options.strict)?;
         Ok(Self {
+            beside,
+            ..Self::with_reader(LogKind::Mdf, None, reader, options)
+        })
+    }
+
+    fn with_reader(
+        kind: LogKind,
+        unknown: Option<String>,
+        reader: Box<dyn FrameReader>,
+        options: &ReadOptions,
+    ) -> Self {
+        Self {
             kind,
             unknown,
+            beside: None,
             reader,
             clock: LogClock::new(options.rejoin),
             order: FrameOrder::default(),
@@ -113,7 +140,7 @@ impl FrameLog {
             selected: 0,
             first_us: None,
             is_over: false,
-        })
+        }
     }
 
     /// Reads the next frame; `None` at the end.
@@ -301,6 +328,7 @@ impl FrameLog {
             interfaces: self.interfaces().cloned().collect(),
             start_utc: self.start_unix_micros().and_then(utc_text),
             mended: self.mended(),
+            notes: self.beside.iter().cloned().collect(),
             ..LogReport::default()
         }
     }

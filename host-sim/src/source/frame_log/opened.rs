@@ -16,6 +16,7 @@ use crate::error::Result;
 use crate::files::log_format::LogFormat;
 use crate::source::log_file::LogFile;
 use crate::source::log_kind::LogKind;
+use crate::source::mdf::mdf_file::MdfFile;
 
 fn text<F: LineFormat + 'static>(file: LogFile, format: F, strict: bool) -> Box<dyn FrameReader> {
     Box::new(TextReader::new(file, format, strict))
@@ -36,7 +37,10 @@ pub(super) fn opened(
         Some(LogFormat::Asc) => (LogKind::Asc, text(file, Asc::default(), strict)),
         Some(LogFormat::Trc) => (LogKind::Trc, text(file, Trc::default(), strict)),
         Some(LogFormat::Blf) => (LogKind::Blf, BlfReader::boxed(file, strict)),
-        Some(LogFormat::Mdf) => (LogKind::Mdf, MdfReader::boxed(file, strict)?),
+        Some(LogFormat::Mdf) => (
+            LogKind::Mdf,
+            MdfReader::boxed(MdfFile::open(file)?, strict)?,
+        ),
         Some(LogFormat::Pcap) => (LogKind::Pcap, PcapReader::boxed(file, strict)?),
         Some(LogFormat::Busmaster) => {
             let reader = text(file, Busmaster::default(), strict);

@@ -1,8 +1,8 @@
 //! A mapping of own signals, ready to decode frames.
 
 use super::dbc::Dbc;
-use super::dbc_message::{DbcSignal, Switch};
-use super::mapping_file::{MappingEntry, MappingFile};
+use super::dbc_message::Switch;
+use super::mapping_file::{MESSAGE, MappingEntry, MappingFile};
 use super::{message_reference, units};
 use crate::error::Result;
 use crate::files::left_out::LeftOut;
@@ -125,7 +125,10 @@ fn mapped(dbc: &Dbc, file: &MappingFile, entry: &MappingEntry) -> Result<(FrameM
     let name = entry.signal.column();
     let key =
         |key: &str, value: &str| format!("signals.{name}.{key} is `{}`", value.escape_debug());
-    let reference = &entry.message;
+    let Some(reference) = &entry.message else {
+        let problem = format!("signals.{name}.message is missing");
+        return Err(file.error(entry.line, problem, MESSAGE));
+    };
     let (message, frames) = message_reference::find(dbc, &reference.value).map_err(|expected| {
         file.error(reference.line, key("message", &reference.value), expected)
     })?;
@@ -144,7 +147,7 @@ fn mapped(dbc: &Dbc, file: &MappingFile, entry: &MappingEntry) -> Result<(FrameM
             format!("a signal of {path} that a frame can have"),
         )
     })?;
-    let (scale, offset) = conversion(file, entry, found)?;
+    let (scale, offset) = units::conversion_of(file, entry, &found.name, &found.unit)?;
     let mapped = Mapped {
         signal: entry.signal,
         field: *field,
@@ -156,23 +159,4 @@ fn mapped(dbc: &Dbc, file: &MappingFile, entry: &MappingEntry) -> Result<(FrameM
         has_j1939_codes: matches!(frames, FrameMatch::Group(_)),
     };
     Ok((frames, mapped))
-}
-
-/// Returns scale and offset from the unit of the `.dbc` file to ours: those of the entry, else those
-/// that the units ask for.
-fn conversion(file: &MappingFile, entry: &MappingEntry, found: &DbcSignal) -> Result<(f64, f64)> {
-    if entry.scale.is_some() || entry.offset.is_some() {
-        return Ok((entry.scale.unwrap_or(1.0), entry.offset.unwrap_or(0.0)));
-    }
-    if units::contradicts(&found.unit, entry.signal) {
-        let problem = format!(
-            "signals.{} has no scale, and its signal `{}` is in `{}`",
-            entry.signal.column(),
-            found.name,
-            found.unit.escape_debug()
-        );
-        let expected = "scale, and offset if there is one, to the unit in the name of ours";
-        return Err(file.error(entry.source.line, problem, expected));
-    }
-    Ok(units::conversion(&found.unit, entry.signal).unwrap_or((1.0, 0.0)))
 }

@@ -1,4 +1,4 @@
-//! `SIGNALS.toml`: which signals of a `.dbc` file become signals of ours.
+//! `SIGNALS.toml`: which signals of a `.dbc` file, or channels of a log, become signals of ours.
 
 use super::lines::line_of;
 use crate::error::{Error, Result};
@@ -13,27 +13,32 @@ use toml::de::{DeTable, DeValue};
 /// The keys of an entry.
 const KEYS: [&str; 6] = ["message", "signal", "scale", "offset", "invalid", "values"];
 
+/// What is expected of two of them.
+pub(super) const MESSAGE: &str = "name, identifier or PGN of a message";
+const SOURCE: &str = "the name of a signal of the message";
+
 /// A `SIGNALS.toml`.
-#[derive(Debug)]
-pub(super) struct MappingFile {
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::source) struct MappingFile {
     pub path: PathBuf,
     /// In the order of [`Signal`].
     pub entries: Vec<MappingEntry>,
 }
 
 /// A part of the file with its line.
-#[derive(Clone, Debug)]
-pub(super) struct Located<T> {
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::source) struct Located<T> {
     pub value: T,
     pub line: u64,
 }
 
 /// One signal of ours.
-#[derive(Debug)]
-pub(super) struct MappingEntry {
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::source) struct MappingEntry {
     pub signal: Signal,
-    /// Name, identifier or PGN of the message.
-    pub message: Located<String>,
+    pub line: u64,
+    /// Name, identifier or PGN of the message; name of the group of a channel.
+    pub message: Option<Located<String>>,
     /// Name of its signal.
     pub source: Located<String>,
     pub scale: Option<f64>,
@@ -63,7 +68,7 @@ impl MappingFile {
     }
 
     /// Returns an error at a part of the file.
-    pub(super) fn error(
+    pub(in crate::source) fn error(
         &self,
         line: u64,
         problem: impl Into<String>,
@@ -151,10 +156,12 @@ impl Reader<'_> {
         if scale == Some(0.0) {
             return Err(keys.error("scale", "is 0", "a number other than 0"));
         }
+        let source = keys.text("signal", SOURCE)?;
         Ok(MappingEntry {
             signal,
-            message: keys.text("message", "name, identifier or PGN of a message")?,
-            source: keys.text("signal", "the name of a signal of the message")?,
+            line: line_of(self.text, span),
+            message: keys.text("message", MESSAGE)?,
+            source: source.ok_or_else(|| keys.error("signal", "is missing", SOURCE))?,
             scale,
             offset: keys.number("offset")?,
             invalid: keys.codes()?,
@@ -186,9 +193,9 @@ impl<'t> Keys<'_, 't> {
     }
 
     /// Returns a text. Integers are texts too: identifiers and PGNs.
-    fn text(&self, key: &str, expected: &str) -> Result<Located<String>> {
+    fn text(&self, key: &str, expected: &str) -> Result<Option<Located<String>>> {
         let Some(found) = self.find(key) else {
-            return Err(self.error(key, "is missing", expected));
+            return Ok(None);
         };
         let value = match found.get_ref() {
             DeValue::String(text) => text.clone().into_owned(),
@@ -196,7 +203,7 @@ impl<'t> Keys<'_, 't> {
             _ => return Err(self.error(key, "is no text", expected)),
         };
         let line = line_of(self.reader.text, &found.span());
-        Ok(Located { value, line })
+        Ok(Some(Located { value, line }))
     }
 
     fn number(&self, key: &str) -> Result<Option<f64>> {

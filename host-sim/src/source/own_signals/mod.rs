@@ -1,5 +1,7 @@
-//! Signals of a user's own bus: any `.dbc` file, mapped to our signals by a `SIGNALS.toml`.
+//! Signals of a user's own bus: any `.dbc` file, or the channels of a log, mapped to our signals by a
+//! `SIGNALS.toml`.
 
+mod channel_mapping;
 pub mod dbc;
 mod dbc_attributes;
 pub mod dbc_message;
@@ -7,10 +9,11 @@ mod dbc_statement;
 mod dbc_text;
 mod lines;
 mod mapping;
-mod mapping_file;
+pub(super) mod mapping_file;
 mod message_parts;
 mod message_reference;
 pub mod units;
 
+pub use channel_mapping::ChannelMapping;
 pub(super) use lines::line_of;
 pub use mapping::OwnSignals;

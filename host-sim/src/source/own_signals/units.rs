@@ -1,5 +1,7 @@
-//! Units that `.dbc` files write, and those of our signals.
+//! Units that `.dbc` files and other logs write, and those of our signals.
 
+use super::mapping_file::{MappingEntry, MappingFile};
+use crate::error::Result;
 use estimator_core::Signal;
 
 /// How a unit becomes the one that the name of a column ends in: names of the unit in lower case
@@ -66,4 +68,30 @@ pub fn is_known(unit: &str) -> bool {
 #[must_use]
 pub fn contradicts(unit: &str, signal: Signal) -> bool {
     is_known(unit) && conversion(unit, signal).is_none()
+}
+
+/// Returns scale and offset from the unit of the signal that an entry names to ours: those of the
+/// entry, else those that the units ask for.
+///
+/// # Errors
+/// Returns an error for a unit of another quantity.
+pub(in crate::source) fn conversion_of(
+    file: &MappingFile,
+    entry: &MappingEntry,
+    name: &str,
+    unit: &str,
+) -> Result<(f64, f64)> {
+    if entry.scale.is_some() || entry.offset.is_some() {
+        return Ok((entry.scale.unwrap_or(1.0), entry.offset.unwrap_or(0.0)));
+    }
+    if contradicts(unit, entry.signal) {
+        let problem = format!(
+            "signals.{} has no scale, and its signal `{name}` is in `{}`",
+            entry.signal.column(),
+            unit.escape_debug()
+        );
+        let expected = "scale, and offset if there is one, to the unit in the name of ours";
+        return Err(file.error(entry.source.line, problem, expected));
+    }
+    Ok(conversion(unit, entry.signal).unwrap_or((1.0, 0.0)))
 }

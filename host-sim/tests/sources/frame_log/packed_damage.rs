@@ -33,7 +33,7 @@ fn read(content: &[u8], strict: bool) -> Result<(Vec<TimedFrame>, usize, Damage)
                 rows += 1;
             }
         }
-        Log::Parquet(_) => unreachable!("no table in Parquet"),
+        Log::Parquet(_) | Log::Signals(_) => unreachable!("no table in Parquet, nor MDF"),
     }
     Ok((frames, rows, log.report().damage))
 }

@@ -19,6 +19,7 @@ use sessions::{encoded_packets, of_transport};
 use std::path::Path;
 use std::{fs, io};
 use test_kit::mdf::{MDF_FORMS, mdf};
+use test_kit::mdf_signals::{MDF_SIGNAL_FORMS, few_records, mdf_signals};
 use test_kit::osm::Packing;
 use test_kit::pcap::pcap_forms;
 use traffic::{of_decode, of_estimator};
@@ -55,6 +56,11 @@ fn main() -> io::Result<()> {
             &format!("form_{k}"),
             &form.file(&few_frames()),
         )?;
+    }
+    for (k, (blocks, layout)) in MDF_SIGNAL_FORMS.into_iter().enumerate() {
+        let name = format!("signals_{k}");
+        let file = mdf_signals(&few_records(), blocks, layout);
+        write(&corpus, "mdf", &name, &file)?;
     }
     for (name, method) in [("plain", 0), ("zlib", 2)] {
         write(&corpus, "blf", name, &blf(&few_frames(), method)?)?;

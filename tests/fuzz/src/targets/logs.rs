@@ -5,6 +5,7 @@ use estimator_core::Instant;
 use host_sim::error::Result;
 use host_sim::source::frame_log::FrameLog;
 use host_sim::source::log::Log;
+use host_sim::source::mdf_signals::MdfSignals;
 use host_sim::source::parquet_table::ParquetTable;
 use host_sim::source::read_options::ReadOptions;
 use std::path::Path;
@@ -34,9 +35,19 @@ pub fn blf(bytes: &[u8]) {
     check(b"LOGG", bytes);
 }
 
-/// Checks ASAM MDF 4 logs.
+/// Checks ASAM MDF 4 logs, of frames and of signals.
 pub fn mdf(bytes: &[u8]) {
-    check(b"MDF     4", bytes);
+    as_file(".mf4", &with_letters(b"MDF     4", bytes), |path| {
+        let read = match Log::open(path, &ReadOptions::default()) {
+            Ok(Log::Frames(log)) => drain(*log),
+            Ok(Log::Signals(log)) => drain_rows(*log),
+            Ok(Log::Table(_) | Log::Parquet(_)) => panic!("a log in MDF is no table"),
+            Err(error) => Err(error),
+        };
+        if let Err(error) = read {
+            assert!(error.to_string().contains(&path.display().to_string()));
+        }
+    });
 }
 
 /// Checks CSV logs of SavvyCAN.
@@ -110,6 +121,17 @@ pub fn parquet_table(bytes: &[u8]) {
 /// Checks the frames of a log that begins with these letters. Bytes that do not begin so get them in
 /// front, so that all are of the format.
 fn check(letters: &[u8], bytes: &[u8]) {
+    check_frames(&with_letters(letters, bytes), |path| {
+        match Log::open(path, &ReadOptions::default())? {
+            Log::Frames(log) => Ok(*log),
+            Log::Table(_) | Log::Parquet(_) | Log::Signals(_) => {
+                panic!("a log of frames has no rows")
+            }
+        }
+    });
+}
+
+fn with_letters(letters: &[u8], bytes: &[u8]) -> Vec<u8> {
     // The other letters that two formats may begin with.
     let others = [&b"UnFinMF 4"[..], PCAP_BIG_ENDIAN, PCAPNG];
     let is_other = others.iter().any(|others| bytes.starts_with(others));
@@ -118,14 +140,7 @@ fn check(letters: &[u8], bytes: &[u8]) {
     } else {
         letters
     };
-    check_frames(&[head, bytes].concat(), open);
-}
-
-fn open(path: &Path) -> Result<FrameLog> {
-    match Log::open(path, &ReadOptions::default())? {
-        Log::Frames(log) => Ok(*log),
-        Log::Table(_) | Log::Parquet(_) => panic!("a log of frames is no table"),
-    }
+    [head, bytes].concat()
 }
 
 /// Reads a log to its end: its frames are in the order of time, or the error names the file.
@@ -135,6 +150,18 @@ fn check_frames(bytes: &[u8], open: impl FnOnce(&Path) -> Result<FrameLog>) {
             assert!(error.to_string().contains(&path.display().to_string()));
         }
     });
+}
+
+/// Counts the channels of a file of signals, and reads its rows to the end.
+fn drain_rows(mut log: MdfSignals) -> Result<()> {
+    log.census()?;
+    let mut newest = Instant::ZERO;
+    while let Some(row) = log.next_row()? {
+        assert!(newest <= row.time);
+        assert!(row.readings.is_sorted_by_key(|reading| reading.signal));
+        newest = row.time;
+    }
+    Ok(())
 }
 
 fn drain(mut log: FrameLog) -> Result<()> {

@@ -1,18 +1,17 @@
 //! A data group: its channel groups, and the frames of its records.
 
 use super::layout::{DataField, Event, FrameLayout, Part};
-use super::mdf_file::{Block, MdfFile, u16_at, u32_at, u64_at};
-use super::records::{Records, Size, Step};
 use super::signal_data::SignalData;
 use crate::error::Result;
 use crate::source::can_frame::CanFrame;
 use crate::source::frame_log::fields::identifier;
 use crate::source::frame_log::frame_reader::LogNotes;
+use crate::source::mdf::group::GroupHead;
+use crate::source::mdf::mdf_file::{Block, MdfFile};
+use crate::source::mdf::records::{Records, Size, Step};
 use embedded_can::Frame;
 use std::collections::{BTreeMap, VecDeque};
 
-/// Flag of a channel group whose records are values of variable length.
-const VARIABLE_LENGTH: u16 = 1;
 /// Frames or values that may wait for each other.
 const MOST_WAITING: usize = 4096;
 /// Bit of an identifier with 29 bits, in files without a channel for it.
@@ -77,24 +76,15 @@ impl DataGroup {
         let mut next = block.link(1);
         while next != 0 {
             let group = file.described(next, b"##CG")?;
-            let data = file.data(&group)?;
-            let (Some(id), Some(flags), Some(bytes), Some(invalid)) = (
-                u64_at(&data, 0),
-                u16_at(&data, 16),
-                u32_at(&data, 24),
-                u32_at(&data, 28),
-            ) else {
-                return Err(file.error("a channel group without its fields", "32 bytes"));
-            };
-            numbers.insert(next, id);
-            if flags & VARIABLE_LENGTH != 0 {
-                sizes.insert(id, Size::Variable);
-            } else {
-                let length = bytes.saturating_add(invalid) as usize;
-                sizes.insert(id, Size::Fixed(length));
-                if let Some(layout) = FrameLayout::read(file, group.link(1), bytes as usize)? {
-                    layouts.push((id, layout));
-                }
+            let head = GroupHead::read(file, &group)?;
+            let size = head.size();
+            numbers.insert(next, head.id);
+            sizes.insert(head.id, size);
+            let data_bytes = head.data_bytes as usize;
+            if size != Size::Variable
+                && let Some(layout) = FrameLayout::read(file, group.link(1), data_bytes)?
+            {
+                layouts.push((head.id, layout));
             }
             next = group.link(0);
         }
@@ -252,7 +242,7 @@ impl FrameGroup {
             None => of_code(read(&layout.dlc)??),
         };
         Some(Head {
-            micros: layout.clock.as_ref()?.micros(record)?,
+            micros: layout.clock?.micros(record, 0)?,
             channel: read(&layout.bus)?.unwrap_or(1) as u32,
             raw_id: (raw & ID_MASK) as u32,
             is_extended,

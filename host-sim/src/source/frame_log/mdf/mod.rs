@@ -1,30 +1,23 @@
 //! ASAM's measurement data format, version 4 (MDF): raw CAN frames as bus loggers write them.
 //!
-//! Written from the public description of the blocks (ASAM MDF 4.1 as in the sources and documents
-//! of asammdf). The file is a tree of blocks: data groups, in them channel groups, in them channels.
-//! A group whose channels are `CAN_DataFrame.ID` and so on has frames (ASAM bus logging). The data
+//! The file is a tree of blocks: data groups, in them channel groups, in them channels. A group whose
+//! channels are `CAN_DataFrame.ID` and so on has frames (ASAM bus logging). The data
 //! of a group are one block, or a list of them, plain or compressed.
 //!
 //! * Groups are read beside each other. Their frames are put in the order of time later.
 //! * A file that its writer did not finish is read to its end.
 //! * Memory does not grow with the file: a few blocks of each group.
 
-mod conversion;
 mod data_group;
 mod layout;
-mod mdf_file;
-mod pieces;
-mod records;
 mod signal_data;
 
 use super::frame_reader::{FrameReader, LogNotes, LoggedFrame};
 use crate::error::{Error, Result};
 use crate::source::log_file::LogFile;
+use crate::source::mdf::mdf_file::MdfFile;
 use data_group::{DataGroup, Found};
-use mdf_file::{MdfFile, u64_at};
 
-/// Where the header block stands, behind the identification.
-const HEADER_AT: u64 = 64;
 /// Most data groups with frames: each holds a few blocks.
 const MOST_GROUPS: usize = 64;
 
@@ -43,16 +36,14 @@ pub(super) struct MdfReader {
 }
 
 impl MdfReader {
-    /// Opens a file and reads its groups.
+    /// Reads the groups of a file.
     ///
     /// # Errors
     /// Returns an error of the disk, and for a file whose blocks cannot be read.
-    pub(super) fn boxed(log: LogFile, is_strict: bool) -> Result<Box<dyn FrameReader>> {
-        let mut file = MdfFile::open(log)?;
+    pub(super) fn boxed(mut file: MdfFile, is_strict: bool) -> Result<Box<dyn FrameReader>> {
         let mut notes = LogNotes::new(is_strict);
-        let header = file.described(HEADER_AT, b"##HD")?;
-        let data = file.data(&header)?;
-        notes.origin_us = u64_at(&data, 0).filter(|ns| *ns > 0).map(|ns| ns / 1000);
+        let header = file.header()?;
+        notes.origin_us = file.origin_us(&header)?;
         let mut groups = Vec::new();
         let mut next = header.link(0);
         while next != 0 {
@@ -67,8 +58,8 @@ impl MdfReader {
             next = block.link(0);
         }
         if groups.is_empty() {
-            let problem = "no frames of a bus in this MDF file (it may have signals); expected groups \
-                           of CAN_DataFrame, as bus loggers write them";
+            let problem = "no frames of a bus and no signals in this MDF file; expected groups of \
+                           CAN_DataFrame, as bus loggers write them, or channels with a time";
             return Err(Error::content(file.log().path(), problem));
         }
         Ok(Box::new(Self {

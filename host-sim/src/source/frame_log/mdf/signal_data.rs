@@ -1,9 +1,9 @@
 //! The signal data of a channel: values of variable length, found by their offset.
 
-use super::mdf_file::{MdfFile, number};
-use super::pieces::{Piece, Pieces};
 use crate::error::Result;
 use crate::source::damage::DamageCheck;
+use crate::source::mdf::mdf_file::{MdfFile, number};
+use crate::source::mdf::pieces::{Piece, Pieces};
 
 /// Bytes of the length in front of each value.
 const LENGTH_BYTES: usize = 4;

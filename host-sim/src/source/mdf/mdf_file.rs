@@ -5,8 +5,10 @@ use crate::source::log_file::LogFile;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 
+/// Where the header block stands, behind the identification.
+const HEADER_AT: u64 = 64;
 /// Bytes of the header of a block, without its links.
-pub(super) const HEADER_BYTES: u64 = 24;
+pub(in crate::source) const HEADER_BYTES: u64 = 24;
 /// Bytes of a link.
 const LINK_BYTES: u64 = 8;
 /// Most links of a block. A list of data blocks of 64 KiB with as many is one of 64 GiB.
@@ -15,6 +17,10 @@ const MOST_LINKS: u64 = 1 << 20;
 const MOST_BYTES: u64 = 1 << 20;
 /// Most blocks that are read besides those of data: a file with a circle of links ends there.
 const MOST_BLOCKS: u32 = 1 << 18;
+/// The same of texts.
+const MOST_TEXTS: u32 = 1 << 20;
+/// Bytes of a text that are read. Names and units have fewer.
+const MOST_TEXT_BYTES: u64 = 1 << 12;
 
 /// Where the identification block has its flags of what is not finished.
 const UNFINISHED_AT: u64 = 60;
@@ -22,7 +28,7 @@ const UNFINISHED_AT: u64 = 60;
 const LAST_LENGTH: u16 = 1 << 2;
 
 /// A block of the file.
-pub(super) struct Block {
+pub(in crate::source) struct Block {
     pub id: [u8; 4],
     pub at: u64,
     /// Bytes with header and links.
@@ -32,51 +38,52 @@ pub(super) struct Block {
 
 impl Block {
     /// Returns a link; 0 for none.
-    pub(super) fn link(&self, index: usize) -> u64 {
+    pub(in crate::source) fn link(&self, index: usize) -> u64 {
         self.links.get(index).copied().unwrap_or(0)
     }
 
     /// Returns where its data begin.
-    pub(super) fn data_at(&self) -> u64 {
+    pub(in crate::source) fn data_at(&self) -> u64 {
         self.at + HEADER_BYTES + LINK_BYTES * self.links.len() as u64
     }
 
     /// Returns the number of its data bytes.
-    pub(super) fn data_length(&self) -> u64 {
+    pub(in crate::source) fn data_length(&self) -> u64 {
         (self.at + self.length).saturating_sub(self.data_at())
     }
 }
 
 /// Returns the number at a place of some bytes, if it is inside.
-pub(super) fn number<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
+pub(in crate::source) fn number<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
     bytes.get(at..)?.first_chunk().copied()
 }
 
-pub(super) fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
+pub(in crate::source) fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
     number(bytes, at).map(u16::from_le_bytes)
 }
 
-pub(super) fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
+pub(in crate::source) fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
     number(bytes, at).map(u32::from_le_bytes)
 }
 
-pub(super) fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
+pub(in crate::source) fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
     number(bytes, at).map(u64::from_le_bytes)
 }
 
 /// An open MDF file.
-pub(super) struct MdfFile {
+pub(in crate::source) struct MdfFile {
     log: LogFile,
     file: File,
     length: u64,
     flags: u16,
     blocks: u32,
+    texts: u32,
     /// Where the newest block begins.
     block_at: u64,
 }
 
 impl MdfFile {
-    pub(super) fn open(mut log: LogFile) -> Result<Self> {
+    pub(in crate::source) fn open(mut log: LogFile) -> Result<Self> {
         let mut file = log.open_seekable()?;
         let length = file.seek(SeekFrom::End(0)).map_err(Error::io(log.path()))?;
         let mut opened = Self {
@@ -85,6 +92,7 @@ impl MdfFile {
             length,
             flags: 0,
             blocks: 0,
+            texts: 0,
             block_at: 0,
         };
         let mut flags = Vec::new();
@@ -93,29 +101,34 @@ impl MdfFile {
         Ok(opened)
     }
 
-    pub(super) const fn log(&self) -> &LogFile {
+    pub(in crate::source) const fn log(&self) -> &LogFile {
         &self.log
     }
 
     /// Returns the size of the file, bytes.
-    pub(super) const fn length(&self) -> u64 {
+    pub(in crate::source) const fn length(&self) -> u64 {
         self.length
     }
 
     /// Returns true if the length of the last data block may be too small.
-    pub(super) const fn has_open_end(&self) -> bool {
+    pub(in crate::source) const fn has_open_end(&self) -> bool {
         self.flags & LAST_LENGTH != 0
     }
 
     /// Returns the error of the newest block.
-    pub(super) fn error(&self, problem: &str, expected: &str) -> Error {
+    pub(in crate::source) fn error(&self, problem: &str, expected: &str) -> Error {
         let at = self.block_at;
         let problem = format!("{problem}, in the block at byte {at}; expected {expected}");
         Error::content(self.log.path(), problem)
     }
 
     /// Reads bytes at a place; fewer at the end of the file.
-    pub(super) fn read(&mut self, at: u64, count: u64, bytes: &mut Vec<u8>) -> Result<()> {
+    pub(in crate::source) fn read(
+        &mut self,
+        at: u64,
+        count: u64,
+        bytes: &mut Vec<u8>,
+    ) -> Result<()> {
         bytes.clear();
         let failed = |e| Error::io(self.log.path())(e);
         self.file.seek(SeekFrom::Start(at)).map_err(failed)?;
@@ -135,7 +148,7 @@ impl MdfFile {
     ///
     /// # Errors
     /// Returns an error for bytes that are no block.
-    pub(super) fn block(&mut self, at: u64) -> Result<Block> {
+    pub(in crate::source) fn block(&mut self, at: u64) -> Result<Block> {
         self.block_at = at;
         let mut bytes = Vec::new();
         self.read(at, HEADER_BYTES, &mut bytes)?;
@@ -164,7 +177,7 @@ impl MdfFile {
     }
 
     /// Reads a block that describes others. There are not many.
-    pub(super) fn described(&mut self, at: u64, id: &[u8; 4]) -> Result<Block> {
+    pub(in crate::source) fn described(&mut self, at: u64, id: &[u8; 4]) -> Result<Block> {
         self.blocks += 1;
         if self.blocks > MOST_BLOCKS {
             let expected = format!("at most {MOST_BLOCKS} blocks besides data");
@@ -178,22 +191,55 @@ impl MdfFile {
         Ok(block)
     }
 
+    /// Reads the header block.
+    pub(in crate::source) fn header(&mut self) -> Result<Block> {
+        self.described(HEADER_AT, b"##HD")
+    }
+
+    /// Returns the start of the measurement that the header names, in microseconds since the Unix
+    /// epoch.
+    pub(in crate::source) fn origin_us(&mut self, header: &Block) -> Result<Option<u64>> {
+        let start_ns = u64_at(&self.data(header)?, 0);
+        Ok(start_ns.filter(|ns| *ns > 0).map(|ns| ns / 1000))
+    }
+
     /// Reads the data of a block that describes others.
-    pub(super) fn data(&mut self, block: &Block) -> Result<Vec<u8>> {
+    pub(in crate::source) fn data(&mut self, block: &Block) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         let count = block.data_length().min(MOST_BYTES);
         self.read(block.data_at(), count, &mut bytes)?;
         Ok(bytes)
     }
 
-    /// Reads the text of a TX or MD block; empty if there is none.
-    pub(super) fn text(&mut self, at: u64) -> Result<Vec<u8>> {
+    /// Returns true if the block at a place is a conversion.
+    pub(in crate::source) fn is_conversion(&mut self, at: u64) -> Result<bool> {
+        Ok(self.counted(at)?.id == *b"##CC")
+    }
+
+    /// Reads a block that is one of many texts.
+    fn counted(&mut self, at: u64) -> Result<Block> {
+        self.texts += 1;
+        if self.texts > MOST_TEXTS {
+            return Err(self.error("too many texts", &format!("at most {MOST_TEXTS}")));
+        }
+        self.block(at)
+    }
+
+    /// Counts blocks from the beginning, for another reader of the same file.
+    pub(in crate::source) const fn begin_again(&mut self) {
+        self.blocks = 0;
+        self.texts = 0;
+    }
+
+    /// Reads the text of a TX or MD block, or its beginning; empty if there is none.
+    pub(in crate::source) fn text(&mut self, at: u64) -> Result<Vec<u8>> {
         if at == 0 {
             return Ok(Vec::new());
         }
-        self.blocks += 1;
-        let block = self.block(at)?;
-        let mut text = self.data(&block)?;
+        let block = self.counted(at)?;
+        let mut text = Vec::new();
+        let count = block.data_length().min(MOST_TEXT_BYTES);
+        self.read(block.data_at(), count, &mut text)?;
         let end = text.iter().position(|byte| *byte == 0);
         text.truncate(end.unwrap_or(text.len()));
         Ok(text)

@@ -13,14 +13,14 @@ const LENGTH_BYTES: usize = 4;
 
 /// The size of the records of a channel group, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Size {
+pub(in crate::source) enum Size {
     Fixed(usize),
     /// Each record begins with its length.
     Variable,
 }
 
 /// The records of a data group.
-pub(super) struct Records {
+pub(in crate::source) struct Records {
     pieces: Pieces,
     piece: Vec<u8>,
     /// Bytes read, of which `used` were handed out.
@@ -33,10 +33,12 @@ pub(super) struct Records {
     to_skip: u64,
     /// Bytes of the data so far, with those that are lost.
     offset: u64,
+    /// True if it is not known how many bytes are lost.
+    is_lost: bool,
 }
 
 /// One step through the records.
-pub(super) enum Step {
+pub(in crate::source) enum Step {
     /// A record of the group with this number; its bytes are `Records::record`.
     Record {
         id: u64,
@@ -48,7 +50,7 @@ pub(super) enum Step {
 }
 
 impl Records {
-    pub(super) fn new(link: u64, id_bytes: usize, sizes: BTreeMap<u64, Size>) -> Self {
+    pub(in crate::source) fn new(link: u64, id_bytes: usize, sizes: BTreeMap<u64, Size>) -> Self {
         Self {
             pieces: Pieces::of(link),
             piece: Vec::new(),
@@ -58,11 +60,32 @@ impl Records {
             sizes,
             to_skip: 0,
             offset: 0,
+            is_lost: false,
         }
     }
 
+    /// Creates the invalidation bits of the records of a column, which stand in blocks of their own.
+    pub(in crate::source) fn of_invalidation(link: u64, bytes: usize) -> Self {
+        Self {
+            pieces: Pieces::of_invalidation(link, bytes as u64),
+            ..Self::new(0, 0, BTreeMap::from([(0, Size::Fixed(bytes))]))
+        }
+    }
+
+    /// Returns the number of the newest record of a group that is alone in its data group; `None`
+    /// if an unknown number of records before it is lost.
+    pub(in crate::source) fn index(&self) -> Option<u64> {
+        let Some(Size::Fixed(size)) = self.sizes.values().next() else {
+            return None;
+        };
+        let rest = self.bytes.len().saturating_sub(self.used) as u64;
+        let end = self.offset.saturating_sub(rest);
+        let index = end.checked_div(*size as u64)?.checked_sub(1)?;
+        (!self.is_lost && self.id_bytes == 0).then_some(index)
+    }
+
     /// Returns the bytes of the newest record, without the number of its group.
-    pub(super) fn record(&self, length: usize) -> &[u8] {
+    pub(in crate::source) fn record(&self, length: usize) -> &[u8] {
         let end = self.used;
         let start = end.saturating_sub(length);
         self.bytes.get(start..end).unwrap_or_default()
@@ -72,7 +95,11 @@ impl Records {
     ///
     /// # Errors
     /// Returns an error of the disk, and what `damage` does not allow.
-    pub(super) fn next(&mut self, file: &mut MdfFile, damage: &mut DamageCheck) -> Result<Step> {
+    pub(in crate::source) fn next(
+        &mut self,
+        file: &mut MdfFile,
+        damage: &mut DamageCheck,
+    ) -> Result<Step> {
         loop {
             let rest = self.bytes.get(self.used..).unwrap_or_default();
             match self.measure(rest) {
@@ -130,9 +157,12 @@ impl Records {
     /// differ in length, the next block must begin with one.
     fn lose(&mut self, lost: u64) {
         self.bytes.clear();
+        self.is_lost |= lost == 0;
         self.offset = self.offset.saturating_add(lost);
         let mut sizes = self.sizes.values();
-        if let (Some(Size::Fixed(size)), None) = (sizes.next(), sizes.next()) {
+        if let Some(Size::Fixed(size)) = sizes.next()
+            && sizes.all(|other| *other == Size::Fixed(*size))
+        {
             let size = (size + self.id_bytes) as u64;
             let over = self.offset.checked_rem(size).unwrap_or(0);
             self.to_skip = if over == 0 { 0 } else { size - over };
