@@ -280,7 +280,7 @@ fn codes_are_no_measurements() {
 fn bytes_that_are_all_ones_are_no_place() {
     for pgn in [129_025, 129_029] {
         let message = messages().find(|message| message.pgn() == pgn).unwrap();
-        let payload = vec![0xff; message.length().into()];
+        let payload = vec![0xff; message.length()];
         let (readings, _) = decode(&frames_of(pgn, 0, 0, &payload));
         assert!(readings.len() >= 2, "{pgn}");
         for reading in readings {

@@ -230,7 +230,7 @@ fn of_log(args: &Args, log: &Path) -> Result<()> {
         return print(&(text + &dbc + &table + &channels));
     }
     let inspection = Inspection {
-        log: log,
+        log,
         kind,
         census: &census,
         needs: &needs,

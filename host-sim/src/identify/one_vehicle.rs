@@ -4,7 +4,7 @@ use super::gears;
 use super::observation::Observation;
 use crate::error::{Error, Result, on_one_line};
 use estimator_core::Signal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Largest spread of final drive over wheel radius between logs of one vehicle, relative: worn and
 /// new tyres differ by 0.02 to 0.03.
@@ -97,7 +97,7 @@ fn spread<'l>(
     Some((*least, *greatest))
 }
 
-fn error(first: &PathBuf, has: &str, other: &PathBuf, others: &str) -> Error {
+fn error(first: &Path, has: &str, other: &Path, others: &str) -> Error {
     let problem = format!(
         "is of another vehicle than {}: it has {has}, that has {others}; give the logs of one vehicle, or \
          say what it is (--like, or a vehicle file)",

@@ -88,7 +88,7 @@ pub fn for_each_input(
             while let Some(frame) = reader.next_frame()? {
                 take(LogInput::Frame(frame));
                 readings.decode(&frame, |reading| {
-                    take(LogInput::Reading(frame.time, reading))
+                    take(LogInput::Reading(frame.time, reading));
                 });
                 if pace.is_due() {
                     options.stop.check()?;

@@ -10,6 +10,7 @@ use host_sim::source::frame_log::Skipped;
 use host_sim::source::log::Log;
 use host_sim::source::log_kind::LogKind;
 use host_sim::source::read_options::ReadOptions;
+use std::collections::BTreeSet;
 use std::fs;
 use tempfile::TempDir;
 use test_kit::mdf::MdfFrame;
@@ -89,7 +90,9 @@ fn a_capture_that_is_cut_off_is_used_up_to_there() {
 
 #[test]
 fn a_damaged_packet_costs_itself() {
-    let frames = many_frames();
+    let mut frames = many_frames();
+    frames.truncate(900);
+    let known: BTreeSet<&[u8]> = frames.iter().map(|timed| timed.frame.data()).collect();
     for form in pcap_forms() {
         let whole = form.file(&of_mdf(&frames));
         let record = form.record(0, 1, &form.packet(&of_mdf(&frames)[0])).len();
@@ -99,18 +102,21 @@ fn a_damaged_packet_costs_itself() {
             let mut file = whole.clone();
             file[byte] ^= 0xff;
             let (found, damage) = damage_of(&file);
-            let others = found.iter().filter(|timed| !frames.contains(timed));
+            // Not by time: a stamp that is ahead by seconds is for the clock of all formats.
+            let others = found
+                .iter()
+                .filter(|timed| !known.contains(timed.frame.data()));
             assert!(others.count() <= 1, "{form:?} at {}", byte - at);
-            assert!(found.len() > 2990, "{form:?} at {}: {damage:?}", byte - at);
+            assert!(found.len() > 890, "{form:?} at {}: {damage:?}", byte - at);
         }
         // Bytes that are lost or are too many.
         for change in [3, 16] {
             let mut file = whole.clone();
             file.drain(at + 5..at + 5 + change);
-            assert!(damage_of(&file).0.len() > 2990, "{form:?}");
+            assert!(damage_of(&file).0.len() > 890, "{form:?}");
             let mut file = whole.clone();
             file.splice(at + 5..at + 5, vec![0xa5; change]);
-            assert!(damage_of(&file).0.len() > 2990, "{form:?}");
+            assert!(damage_of(&file).0.len() > 890, "{form:?}");
         }
     }
 }

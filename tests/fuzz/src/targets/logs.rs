@@ -121,14 +121,14 @@ pub fn parquet_table(bytes: &[u8]) {
 /// Checks the frames of a log that begins with these letters. Bytes that do not begin so get them in
 /// front, so that all are of the format.
 fn check(letters: &[u8], bytes: &[u8]) {
-    check_frames(&with_letters(letters, bytes), |path| {
-        match Log::open(path, &ReadOptions::default())? {
-            Log::Frames(log) => Ok(*log),
-            Log::Table(_) | Log::Parquet(_) | Log::Signals(_) => {
-                panic!("a log of frames has no rows")
-            }
-        }
-    });
+    check_frames(&with_letters(letters, bytes), open);
+}
+
+fn open(path: &Path) -> Result<FrameLog> {
+    match Log::open(path, &ReadOptions::default())? {
+        Log::Frames(log) => Ok(*log),
+        Log::Table(_) | Log::Parquet(_) | Log::Signals(_) => panic!("a log of frames has no rows"),
+    }
 }
 
 fn with_letters(letters: &[u8], bytes: &[u8]) -> Vec<u8> {

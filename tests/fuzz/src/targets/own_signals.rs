@@ -4,6 +4,7 @@
 use crate::as_file;
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use estimator_core::signal::own_message::FrameMatch;
+use host_sim::inspect::census::Census;
 use host_sim::inspect::dbc_census::DbcCounter;
 use host_sim::inspect::proposal::{propose, to_toml};
 use host_sim::source::can_frame::CanFrame;
@@ -47,7 +48,7 @@ fn check(dbc_path: &Path, toml_path: &Path, payload: &[u8]) {
         }
     }
     // What is proposed is a mapping that can be read.
-    let toml = to_toml(&propose(&counter.finish()));
+    let toml = to_toml(&propose(&counter.finish(), &Census::default()));
     assert!(toml::from_str::<toml::Table>(&toml).is_ok(), "{toml}");
 }
 
