@@ -4,7 +4,7 @@ use super::frame_log::FrameLog;
 use super::log_file::LogFile;
 use super::log_kind::{LogKind, kind_of};
 use super::log_report::LogReport;
-use super::mdf_signals::{self, MdfSignals};
+use super::mdf_signals::{self, MdfSignals, Opened};
 use super::parquet_table::ParquetTable;
 use super::read_options::ReadOptions;
 use super::signal_table::{SignalTableReader, is_header};
@@ -60,7 +60,10 @@ impl Log {
             return Ok(Self::Table(Box::new(table)));
         }
         if format == Some(LogFormat::Mdf) {
-            return mdf_signals::open(file, options);
+            return Ok(match mdf_signals::open(file, options)? {
+                Opened::Frames(frames) => Self::Frames(Box::new(frames)),
+                Opened::Signals(signals) => Self::Signals(Box::new(signals)),
+            });
         }
         let frames = FrameLog::new(file, format, options)?;
         Ok(Self::Frames(Box::new(frames)))

@@ -4,6 +4,7 @@
 //! frames are held back and put in order: all of a log that is small enough, else the newest ones.
 
 use super::frame_reader::LoggedFrame;
+use std::cmp::Reverse;
 use std::collections::VecDeque;
 
 /// Most frames that wait: with the next one 8 MiB, some minutes of a bus.
@@ -57,6 +58,20 @@ impl FrameOrder {
     pub(super) fn clear(&mut self) {
         self.runs.clear();
         self.waiting = 0;
+    }
+
+    /// Forgets the latest frame that waits, if it has this time.
+    pub(super) fn forget_latest(&mut self, micros: i64) {
+        let Some(first) = self.runs.first_mut() else {
+            return;
+        };
+        if first.back().is_some_and(|latest| latest.micros == micros) {
+            first.pop_back();
+            self.waiting -= 1;
+            self.runs.retain(|run| !run.is_empty());
+            let last = |run: &VecDeque<LoggedFrame>| run.back().map(|frame| frame.micros);
+            self.runs.sort_by_key(|run| Reverse(last(run)));
+        }
     }
 
     /// Returns the next frame, if no frame that still comes should precede it.

@@ -13,6 +13,8 @@ use rustc_hash::FxHashMap;
 pub(super) const DISORDER_US: i64 = 100_000;
 /// A frame that is further from its neighbours than this, µs, may have a wrong stamp.
 const JUMP_US: i64 = 60_000_000;
+/// A latest frame that is further ahead of all others than this, µs, may have a wrong stamp.
+const ALONE_US: i64 = 1_000_000;
 /// A clock that is set back by no more than this, µs, is set by a time server; the drive goes on.
 const SMALL_STEP_US: i64 = 10_000_000;
 /// Times that are further apart, µs, are those of two clocks.
@@ -32,6 +34,8 @@ pub(super) enum Placed {
     LeftOut(Error),
     /// The first frame of the log has the time of another clock; forget it.
     FirstIsWrong(Error),
+    /// The latest frame, with this time in µs, has a wrong stamp; forget it.
+    LatestIsWrong(i64, Error),
 }
 
 /// A frame that is far from its neighbours.
@@ -61,6 +65,9 @@ pub(super) struct LogClock {
     /// The times of the frame before and of the latest one, µs.
     before_us: i64,
     newest_us: i64,
+    /// The latest time but that one, and the message of the latest frame.
+    others_us: i64,
+    newest_key: u64,
     frames: u64,
     first_problem: Option<Error>,
     first_is_wrong: bool,
@@ -126,8 +133,27 @@ impl LogClock {
                 placed.insert(0, Placed::FirstIsWrong(problem));
             }
         }
+        if let Some(wrong_us) = self.wrong_latest(&logged) {
+            let (newest, others) = (Seconds(wrong_us), Seconds(self.newest_us));
+            let problem = error(&format!("time jumps from {others} to {newest} and back"));
+            placed.push(Placed::LatestIsWrong(wrong_us, problem));
+        }
         placed.extend(self.take(logged, &error));
         placed
+    }
+
+    /// Forgets the latest frame, if this one of its message shows that its stamp is wrong: it is alone
+    /// there, and time goes on from that of the others. Returns its time.
+    fn wrong_latest(&mut self, logged: &LoggedFrame) -> Option<i64> {
+        let micros = logged.micros.saturating_add(self.offset_us);
+        let goes_on = (-DISORDER_US..=ALONE_US).contains(&(micros - self.others_us));
+        let is_alone = self.newest_us - self.others_us > ALONE_US && self.frames > 2;
+        let is_wrong =
+            is_alone && goes_on && key_of(logged) == self.newest_key && self.is_falling(logged);
+        is_wrong.then(|| {
+            self.messages.remove(&self.newest_key);
+            std::mem::replace(&mut self.newest_us, self.others_us)
+        })
     }
 
     /// Decides on a frame that was held back, by the time of the next one.
@@ -240,7 +266,13 @@ impl LogClock {
         }
         self.frames += 1;
         self.before_us = logged.micros;
-        self.newest_us = self.newest_us.max(logged.micros);
+        if logged.micros > self.newest_us {
+            self.others_us = self.newest_us;
+            self.newest_us = logged.micros;
+            self.newest_key = key_of(&logged);
+        } else {
+            self.others_us = self.others_us.max(logged.micros);
+        }
         if self.messages.len() < MOST_MESSAGES {
             self.messages.insert(key_of(&logged), logged.micros);
         } else if let Some(newest) = self.messages.get_mut(&key_of(&logged)) {

@@ -210,6 +210,10 @@ impl FrameLog {
                 self.reader.error(&problem, IN_ORDER)
             }
             Placed::LeftOut(problem) => problem,
+            Placed::LatestIsWrong(micros, problem) => {
+                self.order.forget_latest(micros);
+                problem
+            }
             Placed::FirstIsWrong(problem) => {
                 self.order.clear();
                 problem

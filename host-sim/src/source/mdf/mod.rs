@@ -6,7 +6,7 @@
 //! | file | content |
 //! |---|---|
 //! | `mdf_file` | blocks, their links, texts |
-//! | `pieces` | the data of a group: blocks, lists of them, compressed or not |
+//! | `pieces`, `piece` | the data of a group: blocks, lists of them, compressed or not |
 //! | `packed` | compressed blocks |
 //! | `records` | the records in these data |
 //! | `group` | a channel group: the size of its records |
@@ -18,5 +18,6 @@ pub(super) mod field;
 pub(super) mod group;
 pub(super) mod mdf_file;
 mod packed;
+pub(super) mod piece;
 pub(super) mod pieces;
 pub(super) mod records;

@@ -1,7 +1,7 @@
 //! Compressed blocks.
 
 use super::mdf_file::{Block, HEADER_BYTES, MdfFile, u32_at, u64_at};
-use super::pieces::Piece;
+use super::piece::Piece;
 use crate::error::Result;
 use flate2::read::ZlibDecoder;
 use lz4_flex::frame::FrameDecoder;

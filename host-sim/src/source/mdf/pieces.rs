@@ -2,6 +2,7 @@
 
 use super::mdf_file::{Block, HEADER_BYTES, MdfFile, u32_at, u64_at};
 use super::packed::unpack;
+use super::piece::Piece;
 use crate::error::{Error, Result};
 use std::collections::VecDeque;
 
@@ -12,22 +13,6 @@ const EQUAL_COUNTS: u32 = 1;
 const HAS_INVALIDATION: u32 = 1 << 31;
 /// Most blocks of a list that are empty.
 const MOST_EMPTY: u32 = 1 << 16;
-
-/// What comes next of some data.
-pub(in crate::source) enum Piece {
-    /// Bytes that follow those before.
-    Bytes,
-    /// So many bytes are lost (0 if that is not known), with what is wrong and how many bytes of the
-    /// file that takes.
-    Lost {
-        bytes: u64,
-        problem: Error,
-        in_file: u64,
-    },
-    /// The file ends within a block.
-    CutOff(Error),
-    End,
-}
 
 /// A link to data.
 #[derive(Clone, Copy)]

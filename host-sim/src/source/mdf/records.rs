@@ -1,7 +1,8 @@
 //! The records of a data group, as a stream of bytes.
 
 use super::mdf_file::{MdfFile, number};
-use super::pieces::{Piece, Pieces};
+use super::piece::Piece;
+use super::pieces::Pieces;
 use crate::error::Result;
 use crate::source::damage::DamageCheck;
 use std::collections::BTreeMap;

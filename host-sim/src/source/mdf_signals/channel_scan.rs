@@ -1,11 +1,12 @@
 //! The channels of a group, and its time.
 
-use super::catalog::{Scan, Time, invalid_of};
+use super::catalog::Time;
 use super::channel::{Channel, Place, Problem};
+use super::scan::Scan;
 use crate::error::Result;
 use crate::source::mdf::conversion::Conversion;
 use crate::source::mdf::field::{
-    ChannelHead, Clock, FIXED_LENGTH, MASTER, VIRTUAL, VIRTUAL_MASTER,
+    ChannelHead, Clock, FIXED_LENGTH, Invalid, MASTER, VIRTUAL, VIRTUAL_MASTER,
 };
 use crate::source::mdf::group::GroupHead;
 use crate::source::mdf::mdf_file::Block;
@@ -170,4 +171,16 @@ fn problem_of(head: ChannelHead, is_array: bool) -> Option<Problem> {
         }),
         _ => Some(Problem::NoSignal("has values of variable length")),
     }
+}
+
+/// Returns the marks of a channel, in the record or in bytes of their own.
+fn invalid_of(data: &[u8], head: &GroupHead, is_columns: bool) -> Invalid {
+    let mut invalid = Invalid::default();
+    let data_bytes = if is_columns {
+        0
+    } else {
+        head.data_bytes as usize
+    };
+    invalid.note(data, data_bytes);
+    invalid
 }

@@ -4,6 +4,7 @@
 //! | file | content |
 //! |---|---|
 //! | `catalog` | the groups of a file, with their times |
+//! | `scan`, `group_scan` | the reading of its blocks |
 //! | `channel` | a channel: where its numbers are, and what they mean |
 //! | `channel_scan` | the channels of a group |
 //! | `text` | names and units |
@@ -21,7 +22,9 @@ mod catalog;
 mod census;
 mod channel;
 mod channel_scan;
+mod group_scan;
 mod reader;
+mod scan;
 mod selection;
 mod source;
 mod stream;
@@ -32,21 +35,25 @@ pub use reader::MdfSignals;
 
 use super::damage::DamageCheck;
 use super::frame_log::FrameLog;
-use super::log::Log;
 use super::log_file::LogFile;
 use super::mdf::mdf_file::MdfFile;
 use super::read_options::ReadOptions;
 use crate::error::{Error, Result};
-use catalog::Catalog;
+
+/// What an MDF file is read for.
+pub(super) enum Opened {
+    Frames(FrameLog),
+    Signals(MdfSignals),
+}
 
 /// Opens an MDF file. Where it has frames of a bus, these are read, unless channels are mapped.
 ///
 /// # Errors
 /// Returns an error for a file with neither, and for a mapping that does not fit its channels.
-pub(super) fn open(log: LogFile, options: &ReadOptions) -> Result<Log> {
+pub(super) fn open(log: LogFile, options: &ReadOptions) -> Result<Opened> {
     let mut file = MdfFile::open(log)?;
     let mut damage = DamageCheck::new(options.strict);
-    let catalog = Catalog::read(&mut file, &mut damage);
+    let catalog = group_scan::read(&mut file, &mut damage);
     file.begin_again();
     let catalog = match catalog {
         Ok(catalog) => catalog,
@@ -70,10 +77,10 @@ pub(super) fn open(log: LogFile, options: &ReadOptions) -> Result<Log> {
         return Err(Error::content(file.log().path(), problem));
     }
     let reader = MdfSignals::new(file, catalog, damage, options)?;
-    Ok(Log::Signals(Box::new(reader)))
+    Ok(Opened::Signals(reader))
 }
 
-fn frames(file: MdfFile, beside: Option<String>, options: &ReadOptions) -> Result<Log> {
+fn frames(file: MdfFile, beside: Option<String>, options: &ReadOptions) -> Result<Opened> {
     let frames = FrameLog::of_mdf(file, beside, options)?;
-    Ok(Log::Frames(Box::new(frames)))
+    Ok(Opened::Frames(frames))
 }

@@ -192,6 +192,27 @@ fn one_stamp_of_another_clock_costs_its_frame_only() {
 }
 
 #[test]
+fn one_stamp_that_is_seconds_ahead_costs_its_frame_only() {
+    let stamp = |k: u64| format!("({}.{:06})", 1_700_000_000 + k / 10, k % 10 * 100_000);
+    let text: String = (0..400)
+        .map(|k| format!("{} can0 {:03X}#{:02X}\n", stamp(k), 0x100 + k % 7, k % 256))
+        .collect();
+    let whole = read(text.as_bytes()).0;
+    for at in [10, 200, 380] {
+        for ahead in [15, 50, 300, 590] {
+            let changed = text.replace(&stamp(at), &stamp(at + ahead));
+            let (found, report) = read(changed.as_bytes());
+            assert_eq!(found.len(), 399, "{ahead} at {at}: {report:?}");
+            assert!(
+                found.iter().all(|timed| whole.contains(timed)),
+                "{ahead} at {at}"
+            );
+            assert_eq!(report.damage.lines, 1, "{ahead} at {at}");
+        }
+    }
+}
+
+#[test]
 fn negative_times_are_moved_to_begin_with_zero_in_every_format() {
     let seconds = |k: i64| {
         let micros = -1_000_000 + 100_000 * k;

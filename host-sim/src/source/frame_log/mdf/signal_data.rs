@@ -3,7 +3,8 @@
 use crate::error::Result;
 use crate::source::damage::DamageCheck;
 use crate::source::mdf::mdf_file::{MdfFile, number};
-use crate::source::mdf::pieces::{Piece, Pieces};
+use crate::source::mdf::piece::Piece;
+use crate::source::mdf::pieces::Pieces;
 
 /// Bytes of the length in front of each value.
 const LENGTH_BYTES: usize = 4;
