@@ -5,7 +5,7 @@ use crate::files::folder::Folder;
 use crate::files::kind::{self, Kind};
 use crate::source::log::is_log;
 use crate::source::log_file::is_standard_input;
-use crate::terminal::print::alert;
+use crate::terminal::print::{alert, note};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -98,8 +98,8 @@ fn files_below(
     is_wanted: impl Fn(&Path) -> bool,
 ) -> Result<Vec<PathBuf>> {
     let found = Folder::read(folder, is_wanted)?;
-    found.tell_hidden(folder);
-    found.tell_others(folder, what);
+    let skipped = [found.hidden(folder), found.others(folder, what)];
+    skipped.into_iter().flatten().for_each(note);
     for problem in &found.unreadable {
         alert(format_args!("warning: left out: {problem}"));
     }

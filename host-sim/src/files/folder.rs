@@ -3,7 +3,6 @@
 use super::lock::is_lock;
 use super::temporary::is_temporary;
 use crate::error::{Error, Result, on_one_line};
-use crate::terminal::print::note;
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;
 
@@ -94,35 +93,27 @@ impl Folder {
         Ok(())
     }
 
-    /// Prints how many names were skipped, with the first of them.
-    pub fn tell_hidden(&self, folder: &Path) {
-        tell(
-            folder,
-            &self.hidden,
-            "skipped, since the name begins with . or _",
-        );
+    /// Returns how many names were skipped, with the first of them, in words.
+    #[must_use]
+    pub fn hidden(&self, folder: &Path) -> Option<String> {
+        let why = "skipped, since the name begins with . or _";
+        words(folder, &self.hidden, why)
     }
 
-    /// Prints how many files are no `what`, with the first of them.
-    pub fn tell_others(&self, folder: &Path, what: &str) {
-        tell(folder, &self.others, &format!("skipped: no {what}"));
+    /// Returns how many files are no `what`, with the first of them, in words.
+    #[must_use]
+    pub fn others(&self, folder: &Path, what: &str) -> Option<String> {
+        words(folder, &self.others, &format!("skipped: no {what}"))
     }
 }
 
-fn tell(folder: &Path, paths: &[PathBuf], why: &str) {
-    if paths.is_empty() {
-        return;
-    }
+fn words(folder: &Path, paths: &[PathBuf], why: &str) -> Option<String> {
     let first: Vec<String> = paths
         .iter()
         .take(FEW)
         .map(|path| on_one_line(path))
         .collect();
     let more = if paths.len() > FEW { ", …" } else { "" };
-    note(format_args!(
-        "{}: {} {why}: {}{more}",
-        on_one_line(folder),
-        paths.len(),
-        first.join(", ")
-    ));
+    let (folder, count) = (on_one_line(folder), paths.len());
+    (count > 0).then(|| format!("{folder}: {count} {why}: {}{more}", first.join(", ")))
 }

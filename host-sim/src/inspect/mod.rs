@@ -3,7 +3,7 @@
 
 pub mod census;
 pub mod channels;
-pub mod column_census;
+pub mod columns;
 pub mod dbc_census;
 mod log;
 pub mod needs;

@@ -1,10 +1,10 @@
 //! The tables that `roadgrade inspect` prints.
 
 use super::census::{Census, MessageCount, SignalCount};
-use super::column_census::ColumnCount;
 use super::dbc_census::DbcSignalCount;
 use super::needs::{Importance, Need, Presence};
 use super::pgn_names::{TRANSPORT_DATA, TRANSPORT_MANAGEMENT, name_of};
+use crate::source::column_count::ColumnCount;
 use crate::source::interfaces::InterfaceCount;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use std::fmt::Write as _;

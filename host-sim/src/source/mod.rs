@@ -3,6 +3,7 @@
 pub mod can_frame;
 
 pub mod candump_writer;
+pub mod column_count;
 pub mod damage;
 pub mod frame_log;
 pub mod frame_readings;

@@ -6,6 +6,7 @@ use crate::files::parquet::is_parquet;
 use crate::files::row_check::Flaw;
 use crate::files::run;
 use crate::map::io::session_name::check_session_name;
+use crate::terminal::print::note;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -85,7 +86,7 @@ impl Inputs {
         }
         let before = self.runs.len() + self.damaged.len();
         let found = Folder::read(path, is_run)?;
-        found.tell_hidden(path);
+        found.hidden(path).into_iter().for_each(note);
         self.damaged.extend(found.unreadable);
         let input = |path| RunInput {
             session: session.map(str::to_owned),

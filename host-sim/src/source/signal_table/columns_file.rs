@@ -1,6 +1,6 @@
 //! `COLUMNS.toml`: which columns of a table become signals of ours.
 
-use super::time_column::TimeUnit;
+use super::time_column::{TIME, TimeUnit};
 use crate::error::{Error, Result};
 use crate::files::limits::read_text;
 use crate::files::nearest::nearest_in_words;
@@ -93,7 +93,7 @@ impl ColumnsFile {
             return Err(error("", "has a unit and a scale or offset", expected));
         }
         let column = written.column;
-        if name == super::TIME {
+        if name == TIME {
             if has_numbers {
                 let expected = "unit: s, ms, us, ns or iso".to_owned();
                 return Err(error("", "has a scale or offset", expected));
@@ -112,7 +112,7 @@ impl ColumnsFile {
         }
         let Some(signal) = Signal::from_column(name) else {
             let known = Signal::ALL.iter().map(|signal| signal.column());
-            let alike = nearest_in_words(name, known.chain([super::TIME]));
+            let alike = nearest_in_words(name, known.chain([TIME]));
             let expected = format!("a name such as {alike}; `roadgrade columns` lists all");
             return Err(error("", "is an unknown signal", expected));
         };

@@ -2,7 +2,7 @@
 
 use super::columns_file::ColumnsFile;
 use super::rows::{ColumnName, delimiter_of, header_line};
-use super::time_column::TimeUnit;
+use super::time_column::{TIME, TimeUnit};
 use crate::error::{Error, Result};
 use crate::files::nearest::nearest_in_words;
 use crate::source::own_signals::units;
@@ -10,8 +10,6 @@ use crate::source::signal_range::unit_of_column;
 use estimator_core::Signal;
 use std::path::Path;
 
-/// The time column, in seconds from any origin.
-pub const TIME: &str = "time_s";
 /// Names of a time without its unit, the most telling first.
 const TIMES: [&str; 5] = ["timestamp", "time", "datetime", "date_time", "utc_time"];
 /// Names of others that mean one signal in one unit.

@@ -19,10 +19,9 @@ mod writer;
 
 pub(super) use cell_value::checked;
 pub use columns_file::ColumnsFile;
-pub use header::TIME;
 pub(super) use header::{HeaderColumns, Problem, SignalColumn, TimeColumn, columns_of, is_header};
 pub use rows::{ColumnName, TableRows};
-pub use time_column::TimeUnit;
+pub use time_column::{TIME, TimeUnit};
 pub use writer::write;
 
 use super::damage::{Damage, DamageCheck};

@@ -2,6 +2,9 @@
 
 use chrono::{DateTime, NaiveDateTime};
 
+/// The time column, in seconds from any origin.
+pub const TIME: &str = "time_s";
+
 /// The unit of a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeUnit {

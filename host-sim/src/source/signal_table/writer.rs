@@ -1,7 +1,7 @@
 //! The writer of tables.
 
 use super::cell_value::largest_angle_deg;
-use super::header::TIME;
+use super::time_column::TIME;
 use crate::error::Result;
 use crate::files::output::write_whole;
 use estimator_core::{Instant, Signal};

@@ -4,7 +4,7 @@ use super::super::byte_file::{ByteFile, number};
 use super::super::fields::MOST_MICROS;
 use super::super::line_problem::{LineProblem, Parsed, problem};
 use super::packet::Link;
-use super::{Captured, Step};
+use super::step::{Captured, Step};
 use crate::error::Result;
 use crate::source::interfaces::{InterfaceIndex, Interfaces};
 use pcap_parser::{Block, InterfaceDescriptionBlock, OptionCode, parse_block_be, parse_block_le};

@@ -6,10 +6,11 @@
 mod blocks;
 mod packet;
 mod records;
+mod step;
 
-use super::byte_file::{ByteFile, LeftOut};
+use super::byte_file::ByteFile;
 use super::frame_reader::{FrameReader, LogNotes, LoggedFrame};
-use super::line_problem::{LineProblem, Parsed};
+use super::line_problem::Parsed;
 use crate::error::{Error, Result};
 use crate::files::log_format::PCAPNG_MAGIC;
 use crate::source::interfaces::{InterfaceIndex, Interfaces};
@@ -18,46 +19,7 @@ use crate::source::packing::Joint;
 use blocks::Blocks;
 use packet::{Content, Link, Packet};
 use records::Records;
-use std::ops::Range;
-
-/// A captured packet.
-struct Captured {
-    micros: i64,
-    link: Link,
-    /// The interface, if the file has several.
-    interface: Option<InterfaceIndex>,
-    whole_bytes: u32,
-    /// Where it stands in the bytes that were read.
-    data: Range<usize>,
-    is_big_endian: bool,
-}
-
-/// What a step through the file comes upon.
-enum Step {
-    Packet(Captured),
-    /// A block that has no packet.
-    Other,
-    /// A whole block that cannot be used.
-    Unreadable(LineProblem),
-    /// Bytes that are no packet.
-    Damaged(LineProblem, LeftOut),
-    /// Damage without whose content the rest cannot be read.
-    Refused(LineProblem),
-    CutOff,
-    End,
-}
-
-impl Step {
-    /// Returns the step over a packet that is longer than the file: if nothing comes behind its beginning,
-    /// the file is cut off, else its length is wrong.
-    fn or_cut_off(self) -> Self {
-        match self {
-            Self::Damaged(_, left_out) if left_out.is_rest => Self::CutOff,
-            Self::Refused(_) => Self::CutOff,
-            other => other,
-        }
-    }
-}
+use step::{Captured, Step};
 
 enum Form {
     Records(Records),

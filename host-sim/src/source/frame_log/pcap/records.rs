@@ -6,7 +6,7 @@
 use super::super::byte_file::{ByteFile, number};
 use super::super::line_problem::{LineProblem, Parsed, problem};
 use super::packet::Link;
-use super::{Captured, Step};
+use super::step::{Captured, Step};
 use crate::error::Result;
 use pcap_parser::{
     PcapHeader, parse_pcap_frame, parse_pcap_frame_be, parse_pcap_frame_modified, parse_pcap_header,
