@@ -19,6 +19,7 @@ use crate::source::log_kind::LogKind;
 use crate::source::log_report::LogReport;
 use crate::source::own_signals::dbc::Dbc;
 use crate::source::read_options::ReadOptions;
+use crate::source::signal_table::TIME;
 use crate::terminal::print::{alert, print};
 use crate::terminal::progress;
 use serde::Serialize;
@@ -254,9 +255,14 @@ fn of_foreign_table(args: &Args, log: &Path, options: &ReadOptions, error: Error
         return Err(error);
     }
     let table = match TableInspection::of(log, &Census::default()) {
-        Ok(table) if table.columns_toml.contains("[columns.") => table,
+        Ok(table) if table.columns_toml.contains("[columns.time_s]") => table,
         _ => return Err(error),
     };
+    // With our time, it is a table of ours with a misspelt name.
+    let is_ours = table.columns.iter().any(|column| column.column == TIME);
+    if is_ours && args.out.is_none() {
+        return Err(error);
+    }
     write_proposal(args, log, Some(&table.columns_toml))?;
     alert(format_args!("warning: {error}"));
     if args.json {
