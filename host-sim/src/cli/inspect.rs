@@ -251,7 +251,7 @@ fn of_log(args: &Args, log: &Path) -> Result<()> {
 /// Returns `error`, with which the log was refused, if it is none, or if no column may be ours.
 fn of_foreign_table(args: &Args, log: &Path, options: &ReadOptions, error: Error) -> Result<()> {
     let is_header = || is_foreign_table(log) && Log::open(log, options).is_err();
-    if options.columns.is_some() || !is_header() {
+    if options.columns.is_some() || matches!(error, Error::Usage(_)) || !is_header() {
         return Err(error);
     }
     let table = match TableInspection::of(log, &Census::default()) {

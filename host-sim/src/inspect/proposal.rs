@@ -212,6 +212,8 @@ const OWN_SPEEDS: [Signal; 3] = [
     Signal::FrontAxleSpeed,
     Signal::TachographSpeed,
 ];
+/// Readings from which on a number that never changes is suspicious.
+const MANY: u64 = 20;
 /// Largest ratio of the top speeds in one drive by two senders.
 const MOST_RATIO: f64 = 2.0;
 /// Top speed from which on this ratio tells, m/s.
@@ -229,7 +231,7 @@ pub fn propose(signals: &[DbcSignalCount], census: &Census) -> Vec<Proposal> {
         }
         let fitting = signals.iter().filter_map(|found| {
             let rank = rank_as(*signal, found, names)?;
-            let is_constant = found.min == found.max;
+            let is_constant = found.min == found.max && found.count >= MANY;
             // A shorter name says less else.
             let rank = (is_constant, rank, found.signal.len());
             Some((rank, proposal(*signal, found)?))

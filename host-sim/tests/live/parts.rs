@@ -37,7 +37,12 @@ fn every_message_of_the_decoder_passes_the_filters_whoever_sends_it() {
     for packet in [0x1CEC_FF00, 0x1CEB_FF00, 0x1CEC_2100] {
         assert!(accepts(&filters, EXTENDED | packet));
     }
-    assert_eq!(filters.len(), signal::messages().count() + 2);
+    // Answers of diagnosis, with 11 and with 29 bits.
+    for answer in [0x7e8, 0x7ef, EXTENDED | 0x18da_f110] {
+        assert!(accepts(&filters, answer));
+    }
+    assert!(!accepts(&filters, 0x7e0) && !accepts(&filters, 0x7f0));
+    assert_eq!(filters.len(), signal::messages().count() + 4);
     for message in signal::messages() {
         for (priority, source) in [(0, 0), (3, 0x21), (7, 0xff)] {
             let id = priority << 26 | message.pgn() << 8 | source;

@@ -13,8 +13,10 @@ use rustc_hash::FxHashMap;
 pub(super) const DISORDER_US: i64 = 100_000;
 /// A frame that is further from its neighbours than this, µs, may have a wrong stamp.
 const JUMP_US: i64 = 60_000_000;
-/// A latest frame that is further ahead of all others than this, µs, may have a wrong stamp.
-const ALONE_US: i64 = 1_000_000;
+/// A latest frame that is further ahead of all others than this, µs, may have a wrong stamp, ...
+const ALONE_US: i64 = 300_000;
+/// ... if the next one of its message comes within this behind the others, µs.
+const GOES_ON_US: i64 = 1_000_000;
 /// A clock that is set back by no more than this, µs, is set by a time server; the drive goes on.
 const SMALL_STEP_US: i64 = 10_000_000;
 /// Times that are further apart, µs, are those of two clocks.
@@ -146,7 +148,7 @@ impl LogClock {
     /// there, and time goes on from that of the others. Returns its time.
     fn wrong_latest(&mut self, logged: &LoggedFrame) -> Option<i64> {
         let micros = logged.micros.saturating_add(self.offset_us);
-        let goes_on = (-DISORDER_US..=ALONE_US).contains(&(micros - self.others_us));
+        let goes_on = (-DISORDER_US..=GOES_ON_US).contains(&(micros - self.others_us));
         let is_alone = self.newest_us - self.others_us > ALONE_US && self.frames > 2;
         let is_wrong =
             is_alone && goes_on && key_of(logged) == self.newest_key && self.is_falling(logged);
