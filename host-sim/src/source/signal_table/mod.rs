@@ -211,8 +211,8 @@ impl SignalTableReader {
         let text = str::from_utf8(cell).unwrap_or_default();
         let unit = unit.or_else(|| TimeUnit::of_value(text, number));
         let Some(unit) = unit else {
-            let expected = "a date, a time since 1970, or a unit of the time: in the header, such as \
-                            time [ms], or in --columns";
+            let expected = "a date, a time since 1970, or a unit of the time: in the header (time_s, or time \
+                            [ms]), or in --columns";
             return Err(self.wrong_value(index, &self.header.time.name, expected));
         };
         let time = self.clock.time(unit.seconds(text, number));
