@@ -27,7 +27,7 @@ pub fn unit(signal: Signal) -> &'static str {
     of_column(signal.column()).map_or("", |(_, unit, ..)| *unit)
 }
 
-/// Returns the ending of a signal's column that means its unit; empty as for [`unit`].
+/// Returns the ending of a signal's column that means its unit; empty as for [`unit()`].
 #[must_use]
 pub fn unit_of_column(signal: Signal) -> &'static str {
     of_column(signal.column()).map_or("", |(ending, ..)| *ending)
