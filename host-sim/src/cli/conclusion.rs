@@ -10,21 +10,20 @@ use std::path::Path;
 
 /// Prints warnings, each with what to do.
 pub(super) fn warn(warnings: &[Warning]) {
-    for Warning {
-        message, advice, ..
-    } in warnings
-    {
-        alert(format_args!("warning: {message}; {advice}"));
-    }
+    warn_each("", warnings);
 }
 
 /// Prints the warnings of one of several drives.
 pub(super) fn warn_of(run: &str, warnings: &[Warning]) {
+    warn_each(&format!("{run}: "), warnings);
+}
+
+fn warn_each(whose: &str, warnings: &[Warning]) {
     for Warning {
         message, advice, ..
     } in warnings
     {
-        alert(format_args!("warning: {run}: {message}; {advice}"));
+        alert(format_args!("warning: {whose}{message}; {advice}"));
     }
 }
 

@@ -167,13 +167,10 @@ impl DbcInspection {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    if !args.log.is_dir() {
-        return of_log(args, &args.log);
-    }
-    let logs = LogFiles::of(std::slice::from_ref(&args.log))?;
-    if args.json || args.out.is_some() {
+    if !args.log.is_dir() || args.json || args.out.is_some() {
         return of_log(args, &log_files::one(&args.log)?);
     }
+    let logs = LogFiles::of(std::slice::from_ref(&args.log))?;
     for (number, log) in logs.paths.iter().enumerate() {
         if number > 0 {
             print("\n")?;

@@ -63,20 +63,10 @@ pub enum Kind {
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::FrameLog(LogFormat::Candump) => "a candump log",
-            Self::FrameLog(LogFormat::Asc) => "a Vector ASC log",
-            Self::FrameLog(LogFormat::Trc) => "a PEAK TRC log",
-            Self::FrameLog(LogFormat::Blf) => "a Vector BLF log",
-            Self::FrameLog(LogFormat::Mdf) => "an ASAM MDF 4 log",
-            Self::FrameLog(LogFormat::SavvyCan) => "a SavvyCAN log",
-            Self::FrameLog(LogFormat::PythonCan) => "a python-can log",
-            Self::FrameLog(LogFormat::CanEdge) => "a CANedge CSV log",
-            Self::FrameLog(LogFormat::Clx) => "a log of a CL1000, CL2000 or CL3000",
-            Self::FrameLog(LogFormat::Pcap) => "a packet capture",
-            Self::FrameLog(LogFormat::Busmaster) => "a BUSMASTER log",
-            Self::FrameLog(LogFormat::Canboat) => "a canboat log",
-            Self::FrameLog(LogFormat::YachtDevices) => "a Yacht Devices RAW log",
-            Self::FrameLog(LogFormat::Actisense) => "an Actisense N2K ASCII log",
+            Self::FrameLog(format @ (LogFormat::Mdf | LogFormat::Actisense)) => {
+                return write!(f, "an {format}");
+            }
+            Self::FrameLog(format) => return write!(f, "a {format}"),
             Self::SignalTable => "a signal table",
             Self::Run => "a run (of `roadgrade estimate`)",
             Self::Map => "a map (of `roadgrade fuse`)",

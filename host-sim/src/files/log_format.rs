@@ -1,6 +1,7 @@
 //! The format of a recording of a bus, by its first bytes.
 
 use super::marks::{BYTE_ORDER_MARK, ZIP_MAGIC};
+use std::fmt;
 use std::path::Path;
 
 /// A format that is known by its first bytes.
@@ -34,6 +35,27 @@ pub enum LogFormat {
     YachtDevices,
     /// NMEA 2000 in the N2K ASCII of Actisense.
     Actisense,
+}
+
+impl fmt::Display for LogFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Candump => "candump log",
+            Self::Asc => "Vector ASC log",
+            Self::Trc => "PEAK TRC log",
+            Self::Blf => "Vector BLF log",
+            Self::Mdf => "ASAM MDF 4 log",
+            Self::SavvyCan => "SavvyCAN log",
+            Self::PythonCan => "python-can log",
+            Self::CanEdge => "CANedge CSV log",
+            Self::Clx => "log of a CL1000, CL2000 or CL3000",
+            Self::Pcap => "packet capture",
+            Self::Busmaster => "BUSMASTER log",
+            Self::Canboat => "canboat log",
+            Self::YachtDevices => "Yacht Devices RAW log",
+            Self::Actisense => "Actisense N2K ASCII log",
+        })
+    }
 }
 
 /// First bytes of a BLF file.
@@ -167,7 +189,7 @@ fn is_clx_header(line: &[u8]) -> bool {
     names.iter().all(|name| NAMES.contains(name)) && needed.iter().all(|it| names.contains(it))
 }
 
-/// Returns the format of a line whose time tells it: `10:00:01:5000 Rx 1 …` and lines between stars of
+/// Returns the format of a line with a typical time: `10:00:01:5000 Rx 1 …` and lines between stars of
 /// BUSMASTER; `2026-11-22T10:00:01.500Z,2,129026,…` of canboat; `10:00:01.500 R 09F80207 …` of Yacht
 /// Devices; `A100001.500 07FF2 1F802 …` of Actisense.
 fn format_of_time(line: &[u8]) -> Option<LogFormat> {

@@ -26,7 +26,7 @@ impl Estimate {
     }
 }
 
-/// What these logs cannot tell, and the drive that would.
+/// What logs leave unknown, and the drive that would show it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Unknown {
     /// What is not known.

@@ -21,8 +21,7 @@ const BRIEF_FLOOR: f64 = 0.005;
 /// Relative sigma of the ratio of a gear that was not driven.
 const UNSEEN: f64 = 0.1;
 
-/// Returns the gear of an electric motor whose turns no signal tells: one fixed reduction, whose ratio is
-/// that of the final drive.
+/// Returns the gear of an electric motor without a speed signal: one fixed reduction with these turns.
 #[must_use]
 pub fn single(turns_per_m: Estimate) -> FoundGear {
     FoundGear {

@@ -19,6 +19,7 @@ pub mod estimate;
 pub mod fit;
 pub mod gears;
 pub mod identified;
+mod limits;
 pub mod observation;
 mod one_vehicle;
 pub mod procedure;

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Largest spread of final drive over wheel radius between logs of one vehicle, relative: worn and
 /// new tyres differ by 0.02 to 0.03.
 const AXLES: f64 = 0.04;
-/// Largest spread of what the bus tells of the engine, relative: it is a constant.
+/// Largest relative spread of a constant of the vehicle that the bus sends.
 const TOLD: f64 = 0.02;
 /// Largest factor between masses that the bus tells: of a tractor alone, and of a loaded road train.
 const MASSES: f64 = 10.0;

@@ -8,6 +8,7 @@ use super::estimate::Estimate;
 use super::fit::{Amounts, FittedDrive, Priors, fit};
 use super::gears::{self, FoundGear};
 use super::identified::{Identified, Origin};
+use super::limits;
 use super::observation::Observation;
 use super::one_vehicle;
 use crate::diagnose::drive::LoggedDrive;
@@ -29,10 +30,6 @@ const LEAST_FITTED_M: f64 = 500.0;
 const ROUNDS: usize = 4;
 /// ... which is within this part.
 const MASSES_AGREE: f64 = 0.05;
-/// Masses of road vehicles and their trains, kg.
-const MASSES_KG: std::ops::RangeInclusive<f64> = 400.0..=150_000.0;
-/// Way on which a gearbox with gears has steady ratios, m.
-const STEADY_M: f64 = 2_000.0;
 /// Engines of trucks turn slower than this, rpm.
 const TRUCK_RPM: f64 = 3_200.0;
 /// Relative sigma of a torque signal, of a told mass, and of a measured traction force.
@@ -144,26 +141,8 @@ pub fn identify(request: &Request, progress: impl Fn(&str)) -> Result<Identified
     found.delays = delays::found(&delays);
     found.unknown.extend(delays::unknown(&delays));
     found.left_out = problems.iter().map(ToString::to_string).collect();
-    check_limits(&logs[0], &found)?;
+    limits::check_vehicle(&logs[0], &found)?;
     Ok(found)
-}
-
-/// Refuses a vehicle that no vehicle file may have, or that no road has.
-fn check_limits(first: &Path, found: &Identified) -> Result<()> {
-    let model = &found.vehicle.model;
-    let mass_kg = f64::from(model.vehicle.mass_kg);
-    let problem = match model.check() {
-        Err(problem) => problem.to_string(),
-        Ok(()) if !MASSES_KG.contains(&mass_kg) => {
-            format!("the mass comes out as {mass_kg:.0} kg, which no road vehicle has")
-        }
-        Ok(()) => return Ok(()),
-    };
-    let problem = format!(
-        "not identifiable from these logs: {problem}; look at units and signs of torque, force and speed \
-         (`roadgrade inspect` shows their ranges), give --vehicle, or more drives with hills"
-    );
-    Err(Error::content(first, problem))
 }
 
 /// Returns whether a problem is in the content of a log.
@@ -204,7 +183,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(request: &'a Request, observation: Observation, first: &Path) -> Result<Self> {
-        check_signals(first, &observation)?;
+        limits::check_signals(first, &observation)?;
         let class = match &request.like {
             Some(Like::Class(class)) => class.clone(),
             Some(Like::File(file)) => like_file(file),
@@ -219,7 +198,7 @@ impl<'a> Search<'a> {
         if by_torque && gears.is_empty() {
             let is_motor = observation.has(Signal::MotorTorque);
             if !is_motor || observation.has(Signal::EngineSpeed) {
-                return Err(Error::content(first, no_gears(&observation)));
+                return Err(Error::content(first, limits::no_gears(&observation)));
             }
             let usual = &class.usual;
             let turns = usual.final_drive_ratio.value / usual.wheel_radius_m.value;
@@ -450,37 +429,6 @@ impl<'a> Search<'a> {
             draft: &self.draft,
             traction_scale: self.traction_scale,
         }
-    }
-}
-
-/// Returns an error for logs without a signal that an estimate needs.
-fn check_signals(first: &Path, observation: &Observation) -> Result<()> {
-    let has = |signals: &[Signal]| signals.iter().any(|signal| observation.has(*signal));
-    let missing = if !has(&[Signal::WheelSpeed, Signal::FrontAxleSpeed]) {
-        "no speed: expected wheel-based speed (CCVS1, PGN 65265; column wheel_speed_mps)"
-    } else if !has(&[Signal::EngineTorque, Signal::TractionForce])
-        && !observation.has_torque_in_nm()
-    {
-        "no torque: expected EEC1 (PGN 61444; column engine_torque_percent), or column \
-         engine_torque_nm, motor_torque_nm or traction_force_n"
-    } else if !has(&[Signal::Altitude]) {
-        "no GNSS altitude: expected NMEA 2000 129029 (or VDS, PGN 65256; column altitude_m)"
-    } else {
-        return Ok(());
-    };
-    Err(Error::content(first, missing))
-}
-
-/// Returns why no gear was found.
-fn no_gears(observation: &Observation) -> &'static str {
-    if !observation.has(Signal::EngineSpeed) {
-        "no engine speed: expected EEC1 (PGN 61444; column engine_speed_rpm), which shows the gears"
-    } else if observation.distance_m > STEADY_M {
-        "engine and wheels never turn at a steady ratio: a gearbox with a continuously variable ratio, \
-         or an engine that drives a generator; its torque at the wheels is not known: give a traction \
-         force (column traction_force_n), or the motor's torque (motor_torque_nm)"
-    } else {
-        "no gear is ever engaged for a second of steady travel: expected a longer drive"
     }
 }
 

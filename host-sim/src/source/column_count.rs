@@ -1,7 +1,7 @@
 //! The columns of a table as it is, with the range of each: also of one that is not understood.
 
 use super::log_file::LogFile;
-use super::signal_table::{ColumnName, TableRows};
+use super::signal_table::{ColumnName, TableRows, is_missing, switch};
 use crate::error::Result;
 use crate::files::kind::PARQUET_MAGIC;
 use crate::files::parquet;
@@ -59,9 +59,9 @@ pub fn count_columns(path: &Path) -> Result<Vec<ColumnCount>> {
         for (k, column) in columns.iter_mut().enumerate() {
             let number = rows.number(k);
             let cell = rows.record().get(k).unwrap_or_default();
-            match number.or_else(|| TableRows::switch(cell)) {
+            match number.or_else(|| switch(cell)) {
                 Some(number) => column.add(number),
-                None if column.text.is_none() && !TableRows::is_missing(cell) => {
+                None if column.text.is_none() && !is_missing(cell) => {
                     column.text = Some(String::from_utf8_lossy(cell).into_owned());
                 }
                 None => {}

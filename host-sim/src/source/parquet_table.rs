@@ -2,9 +2,7 @@
 
 use super::damage::{Damage, DamageCheck};
 use super::read_options::ReadOptions;
-use super::signal_table::{
-    ColumnName, HeaderColumns, Problem, SignalColumn, SignalRow, TimeUnit, checked, columns_of,
-};
+use super::signal_table::{ColumnName, HeaderColumns, Problem, SignalRow, checked, columns_of};
 use super::table_clock::{EXPECTED, NoTime, TableClock};
 use crate::error::{Error, Result};
 use crate::files::parquet::{NumberBatches, open};
@@ -44,8 +42,7 @@ impl ParquetTable {
                 Error::content(path, problem)
             }
         })?;
-        let is_kept = |column: &SignalColumn| !options.ignore.contains(&column.signal);
-        header.columns.retain(is_kept);
+        header.ignore(&options.ignore);
         let columns = header.columns.iter().map(|column| column.index);
         let wanted = std::iter::once(header.time.index).chain(columns);
         let wanted = wanted.filter_map(|index| names.get(index));
@@ -63,7 +60,7 @@ impl ParquetTable {
 
     /// Returns the signals that have a column, in the order of [`Signal`].
     pub fn signals(&self) -> impl Iterator<Item = Signal> {
-        self.header.columns.iter().map(|column| column.signal)
+        self.header.signals()
     }
 
     /// Returns the columns that are not ours.
@@ -75,8 +72,7 @@ impl ParquetTable {
     /// Returns what was mended of the times, and what was taken for ours, in words.
     #[must_use]
     pub fn mended(&self) -> Vec<String> {
-        let converted = self.header.converted.iter().cloned();
-        self.clock.mended().into_iter().chain(converted).collect()
+        self.header.mended(&self.clock)
     }
 
     /// Returns what was left out so far.
@@ -126,19 +122,16 @@ impl ParquetTable {
     /// Reads the values of a row of the batch.
     fn parse(&mut self, row: usize) -> Result<Instant> {
         let number = self.number(row);
-        let unit = self.header.time.unit;
-        let unit = unit.or_else(|| TimeUnit::of_value("", number));
-        let Some(unit) = unit else {
-            let name = &self.header.time.name;
-            let expected = "a time since 1970, or a unit of the time in --columns";
-            return Err(self.error(&format!("{name} has no unit"), expected));
-        };
-        let time = self.clock.time(unit.seconds("", number));
+        let time = self.header.time.read(&mut self.clock, "", number);
+        let name = &self.header.time.name;
         let time = time.map_err(|problem| match problem {
-            NoTime::Wrong => self.error(&format!("{} is wrong", self.header.time.name), EXPECTED),
+            NoTime::NoUnit => self.error(
+                &format!("{name} has no unit"),
+                "a time since 1970, or a unit of the time in --columns",
+            ),
+            NoTime::Wrong => self.error(&format!("{name} is wrong"), EXPECTED),
             NoTime::Backwards(problem) => self.error(&problem, "times that do not decrease"),
         })?;
-        self.header.time.unit = Some(unit);
         self.readings.clear();
         for (column, values) in self.header.columns.iter().zip(&self.batch[1..]) {
             let signal = column.signal;

@@ -21,6 +21,8 @@ pub(super) struct TableClock {
 pub(super) enum NoTime {
     /// It is missing, or beyond all measurements.
     Wrong,
+    /// Neither the header nor the value shows its unit.
+    NoUnit,
     /// It is before that of the row above: the problem in words.
     Backwards(String),
 }

@@ -67,7 +67,7 @@ const RESTARTED: &str = "if the clock was set back within a drive, give --rejoin
 /// Frames come in the order of time, each message from one interface. Times are those of the log, in
 /// microseconds. In the formats of Vector and PEAK they begin with the measurement.
 pub struct FrameLog {
-    kind: LogKind,
+    format: LogFormat,
     /// What to say if there is no frame: the first bytes are of no format.
     unknown: Option<String>,
     /// What the file has besides frames, in words.
@@ -105,8 +105,9 @@ impl FrameLog {
             None => refusals::unknown_format(file.look_at_head()),
             Some(_) => None,
         };
-        let (kind, reader) = opened(file, format, options.strict)?;
-        Ok(Self::with_reader(kind, unknown, reader, options))
+        let format = format.unwrap_or(LogFormat::Candump);
+        let reader = opened(file, format, options.strict)?;
+        Ok(Self::with_reader(format, unknown, reader, options))
     }
 
     /// Creates a reader of the frames of an MDF file, with what to tell of its other content.
@@ -118,18 +119,18 @@ impl FrameLog {
         let reader = MdfReader::boxed(file, options.strict)?;
         Ok(Self {
             beside,
-            ..Self::with_reader(LogKind::Mdf, None, reader, options)
+            ..Self::with_reader(LogFormat::Mdf, None, reader, options)
         })
     }
 
     fn with_reader(
-        kind: LogKind,
+        format: LogFormat,
         unknown: Option<String>,
         reader: Box<dyn FrameReader>,
         options: &ReadOptions,
     ) -> Self {
         Self {
-            kind,
+            format,
             unknown,
             beside: None,
             reader,
@@ -268,7 +269,7 @@ impl FrameLog {
 
     /// Returns the error, or one that says that another file may have taken the log's place.
     fn explained(&self, error: Error) -> Error {
-        if self.kind != LogKind::Candump {
+        if self.format != LogFormat::Candump {
             return error;
         }
         let path = self.file().path();
@@ -280,8 +281,8 @@ impl FrameLog {
     }
 
     fn no_frames(&self) -> Error {
-        let is_empty = self.file().bytes_read() == 0 || self.kind == LogKind::Candump;
-        let problem = refusals::no_frames(self.kind, self.skipped(), is_empty);
+        let is_empty = self.file().bytes_read() == 0 || self.format == LogFormat::Candump;
+        let problem = refusals::no_frames(self.format, self.skipped(), is_empty);
         Error::content(self.file().path(), problem)
     }
 
@@ -346,7 +347,7 @@ impl FrameLog {
     /// Returns the kind of the log.
     #[must_use]
     pub const fn kind(&self) -> LogKind {
-        self.kind
+        LogKind::Frames(self.format)
     }
 }
 

@@ -1,9 +1,8 @@
 //! What to say of a log that has nothing to read.
 
 use super::frame_reader::Skipped;
-use crate::files::log_format::KNOWN;
+use crate::files::log_format::{KNOWN, LogFormat};
 use crate::source::interfaces::InterfaceCount;
-use crate::source::log_kind::LogKind;
 
 /// Returns what to say of a file whose first bytes are of no format; `None` if there are none.
 pub(super) fn unknown_format(head: &[u8]) -> Option<String> {
@@ -14,7 +13,7 @@ pub(super) fn unknown_format(head: &[u8]) -> Option<String> {
 }
 
 /// Returns what to say of a log without a frame.
-pub(super) fn no_frames(kind: LogKind, skipped: Skipped, is_empty: bool) -> String {
+pub(super) fn no_frames(format: LogFormat, skipped: Skipped, is_empty: bool) -> String {
     if let Some(words) = skipped.words() {
         let note = if skipped.can_fd > 0 {
             " (J1939 over CAN FD, SAE J1939-22, is not read)"
@@ -22,7 +21,7 @@ pub(super) fn no_frames(kind: LogKind, skipped: Skipped, is_empty: bool) -> Stri
             ""
         };
         return format!(
-            "no classic CAN frame among {words}; expected a {kind} of a J1939 bus{note}"
+            "no classic CAN frame among {words}; expected a {format} of a J1939 bus{note}"
         );
     }
     let what = if is_empty {
@@ -30,7 +29,7 @@ pub(super) fn no_frames(kind: LogKind, skipped: Skipped, is_empty: bool) -> Stri
     } else {
         "no frames"
     };
-    format!("{what}; expected a {kind} with at least one frame")
+    format!("{what}; expected a {format} with at least one frame")
 }
 
 /// Returns what to say of a log without a frame of the interfaces that are asked for.

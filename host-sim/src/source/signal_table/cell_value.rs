@@ -31,13 +31,13 @@ const MISSING: [&[u8]; 9] = [
 ];
 
 /// Returns true for a cell without a value.
-pub(super) fn is_missing(cell: &[u8]) -> bool {
+pub(in super::super) fn is_missing(cell: &[u8]) -> bool {
     // Most cells are longer numbers.
     cell.len() <= 4 && MISSING.iter().any(|text| cell.eq_ignore_ascii_case(text))
 }
 
 /// Returns the number of a word for on or off.
-pub(super) fn switch(cell: &[u8]) -> Option<f64> {
+pub(in super::super) fn switch(cell: &[u8]) -> Option<f64> {
     let is = |word: &[u8]| cell.eq_ignore_ascii_case(word);
     if is(b"true") {
         Some(1.0)

@@ -7,7 +7,8 @@ use crate::error::{Error, Result};
 use crate::files::nearest::nearest_in_words;
 use crate::source::own_signals::units;
 use crate::source::signal_range::unit_of_column;
-use estimator_core::Signal;
+use crate::source::table_clock::{NoTime, TableClock};
+use estimator_core::{Instant, Signal};
 use std::path::Path;
 
 /// Names of a time without its unit, the most telling first.
@@ -49,6 +50,44 @@ pub(in super::super) struct HeaderColumns {
     pub ignored: Vec<String>,
     /// What was taken for ours under another name, in words.
     pub converted: Vec<String>,
+}
+
+impl HeaderColumns {
+    /// Leaves out the columns of these signals.
+    pub(in super::super) fn ignore(&mut self, signals: &[Signal]) {
+        self.columns
+            .retain(|column| !signals.contains(&column.signal));
+    }
+
+    /// Returns the signals that have a column, in the order of [`Signal`].
+    pub(in super::super) fn signals(&self) -> impl Iterator<Item = Signal> {
+        self.columns.iter().map(|column| column.signal)
+    }
+
+    /// Returns what was mended of the times, and what was taken for ours, in words.
+    pub(in super::super) fn mended(&self, clock: &TableClock) -> Vec<String> {
+        let converted = self.converted.iter().cloned();
+        clock.mended().into_iter().chain(converted).collect()
+    }
+}
+
+impl TimeColumn {
+    /// Returns the time of a row, and the unit that its cell shows where the header has none.
+    ///
+    /// # Errors
+    /// Returns why it has none.
+    pub(in super::super) fn read(
+        &mut self,
+        clock: &mut TableClock,
+        text: &str,
+        number: Option<f64>,
+    ) -> std::result::Result<Instant, NoTime> {
+        let unit = self.unit.or_else(|| TimeUnit::of_value(text, number));
+        let unit = unit.ok_or(NoTime::NoUnit)?;
+        let time = clock.time(unit.seconds(text, number))?;
+        self.unit = Some(unit);
+        Ok(time)
+    }
 }
 
 /// What a column is.

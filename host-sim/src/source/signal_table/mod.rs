@@ -17,9 +17,9 @@ mod rows;
 mod time_column;
 mod writer;
 
-pub(super) use cell_value::checked;
+pub(super) use cell_value::{checked, is_missing, switch};
 pub use columns_file::ColumnsFile;
-pub(super) use header::{HeaderColumns, Problem, SignalColumn, TimeColumn, columns_of, is_header};
+pub(super) use header::{HeaderColumns, Problem, SignalColumn, columns_of, is_header};
 pub use rows::{ColumnName, TableRows};
 pub use time_column::{TIME, TimeUnit};
 pub use writer::write;
@@ -31,7 +31,6 @@ use super::signal_range::unit_of_column;
 use super::table_clock::{EXPECTED, NoTime, TableClock};
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
-use cell_value::{is_missing, switch};
 use estimator_core::{Instant, Reading, Signal, Value};
 use std::path::Path;
 
@@ -88,8 +87,7 @@ impl SignalTableReader {
         if !header.ignored.is_empty() && !header.columns.iter().any(is_speed) {
             kind::refuse_other(path, &[Kind::SignalTable])?;
         }
-        let is_kept = |column: &SignalColumn| !options.ignore.contains(&column.signal);
-        header.columns.retain(is_kept);
+        header.ignore(&options.ignore);
         Ok(Self {
             fields: names.len(),
             rows,
@@ -109,7 +107,7 @@ impl SignalTableReader {
 
     /// Returns the signals that have a column, in the order of [`Signal`].
     pub fn signals(&self) -> impl Iterator<Item = Signal> {
-        self.header.columns.iter().map(|column| column.signal)
+        self.header.signals()
     }
 
     /// Reads the next row; `None` at the end. Rows with a value that is not a number, with too few or
@@ -188,8 +186,7 @@ impl SignalTableReader {
     /// Returns what was mended of the times, and what was taken for ours, in words.
     #[must_use]
     pub fn mended(&self) -> Vec<String> {
-        let converted = self.header.converted.iter().cloned();
-        self.clock.mended().into_iter().chain(converted).collect()
+        self.header.mended(&self.clock)
     }
 
     /// Returns what was left out so far.
@@ -205,23 +202,20 @@ impl SignalTableReader {
     }
 
     fn time(&mut self) -> Result<Instant> {
-        let TimeColumn { index, unit, .. } = self.header.time;
+        let index = self.header.time.index;
         let number = self.rows.number(index);
         let cell = self.rows.record().get(index).unwrap_or_default();
         let text = str::from_utf8(cell).unwrap_or_default();
-        let unit = unit.or_else(|| TimeUnit::of_value(text, number));
-        let Some(unit) = unit else {
-            let expected = "a date, a time since 1970, or a unit of the time: in the header (time_s, or time \
-                            [ms]), or in --columns";
-            return Err(self.wrong_value(index, &self.header.time.name, expected));
-        };
-        let time = self.clock.time(unit.seconds(text, number));
-        let time = time.map_err(|problem| match problem {
-            NoTime::Wrong => self.wrong_value(index, &self.header.time.name, EXPECTED),
+        let time = self.header.time.read(&mut self.clock, text, number);
+        let wrong = |expected| self.wrong_value(index, &self.header.time.name, expected);
+        time.map_err(|problem| match problem {
+            NoTime::NoUnit => wrong(
+                "a date, a time since 1970, or a unit of the time: in the header (time_s, or time \
+                 [ms]), or in --columns",
+            ),
+            NoTime::Wrong => wrong(EXPECTED),
             NoTime::Backwards(problem) => self.error(problem, "times that do not decrease"),
-        })?;
-        self.header.time.unit = Some(unit);
-        Ok(time)
+        })
     }
 
     /// Returns the value of a cell; `None` if it is empty.

@@ -1,7 +1,7 @@
 //! The records of a table as text: separated by commas, semicolons or tabs (RFC 4180 and what
 //! spreadsheets make of it).
 
-use super::cell_value::{is_missing, switch};
+use super::time_column::TimeUnit;
 use crate::error::{Error, Result};
 use crate::files::limits::{self, Budget};
 use crate::source::log_file::LogFile;
@@ -181,18 +181,6 @@ impl TableRows {
         finite(text)
     }
 
-    /// Returns true for a cell without a value.
-    #[must_use]
-    pub fn is_missing(cell: &[u8]) -> bool {
-        is_missing(cell)
-    }
-
-    /// Returns the number of a cell that says on or off.
-    #[must_use]
-    pub fn switch(cell: &[u8]) -> Option<f64> {
-        switch(cell)
-    }
-
     /// Returns the line of the header.
     pub(super) const fn header_line(&self) -> u64 {
         self.header_line
@@ -218,13 +206,10 @@ fn finite(text: &str) -> Option<f64> {
 fn is_row_of_units(record: &ByteRecord) -> bool {
     let cells = || record.iter().map(String::from_utf8_lossy);
     let is_unit = |cell: &str| {
-        cell.is_empty() || cell == "-" || units::is_known(cell) || TIME_UNITS.contains(&cell)
+        cell.is_empty() || cell == "-" || units::is_known(cell) || TimeUnit::named(cell).is_some()
     };
     cells().all(|cell| is_unit(&cell)) && cells().any(|cell| !cell.is_empty() && cell != "-")
 }
-
-/// Units of time.
-const TIME_UNITS: [&str; 6] = ["s", "sec", "ms", "us", "µs", "ns"];
 
 /// The name of a column, and its unit where the table has one.
 #[derive(Clone, Debug, PartialEq)]

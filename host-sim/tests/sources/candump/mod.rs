@@ -7,6 +7,7 @@ mod times;
 use crate::packed::gzip;
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use estimator_core::Instant;
+use host_sim::files::log_format::LogFormat;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump_writer::write_frame;
 use host_sim::source::frame_log::FrameLog;
@@ -171,9 +172,9 @@ fn the_writer_writes_what_candump_does() {
 #[test]
 fn the_name_determines_the_kind_of_a_log() {
     for (name, kind) in [
-        ("a.log", LogKind::Candump),
-        ("a.log.gz", LogKind::Candump),
-        ("a", LogKind::Candump),
+        ("a.log", LogKind::Frames(LogFormat::Candump)),
+        ("a.log.gz", LogKind::Frames(LogFormat::Candump)),
+        ("a", LogKind::Frames(LogFormat::Candump)),
         ("a.csv", LogKind::SignalTable),
         ("a.csv.gz", LogKind::SignalTable),
         ("A.CSV", LogKind::SignalTable),

@@ -3,6 +3,7 @@
 use super::{frame, read, read_as, some_frames};
 use crate::packed::gzip;
 use embedded_can::{Frame, Id};
+use host_sim::files::log_format::LogFormat;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::frame_log::Skipped;
 use host_sim::source::log::Log;
@@ -103,7 +104,10 @@ fn every_mode_gives_the_same_frames() {
             ] {
                 for name in ["drive", "drive.log", "drive.csv"] {
                     let (kind, found, skipped) = read_as(name, &content).expect("a log");
-                    assert_eq!((kind, skipped), (LogKind::Busmaster, Skipped::default()));
+                    assert_eq!(
+                        (kind, skipped),
+                        (LogKind::Frames(LogFormat::Busmaster), Skipped::default())
+                    );
                     let of = |frames: &[TimedFrame]| -> Vec<(u64, CanFrame)> {
                         let first = frames[0].time.micros();
                         let apart = |timed: &TimedFrame| timed.time.micros() - first;

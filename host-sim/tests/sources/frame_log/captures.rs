@@ -4,6 +4,7 @@ use super::formats::of_mdf;
 use super::{frame, read, read_as, some_frames};
 use crate::packed::gzip;
 use embedded_can::Frame;
+use host_sim::files::log_format::LogFormat;
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::damage::Damage;
 use host_sim::source::frame_log::Skipped;
@@ -62,7 +63,11 @@ fn damage_of(content: &[u8]) -> (Vec<TimedFrame>, Damage) {
 #[test]
 fn every_form_gives_the_same_frames() {
     let frames = data_frames();
-    let expected = Ok((LogKind::Pcap, frames.clone(), Skipped::default()));
+    let expected = Ok((
+        LogKind::Frames(LogFormat::Pcap),
+        frames.clone(),
+        Skipped::default(),
+    ));
     for form in pcap_forms() {
         let file = form.file(&of_mdf(&frames));
         for name in ["drive", "drive.pcap", "drive.csv"] {

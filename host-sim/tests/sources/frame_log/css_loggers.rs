@@ -4,6 +4,7 @@ use super::{frame, read, read_as, some_frames};
 use crate::packed::gzip;
 use embedded_can::{Frame, Id};
 use estimator_core::Instant;
+use host_sim::files::log_format::LogFormat;
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::frame_log::Skipped;
 use host_sim::source::log::Log;
@@ -62,7 +63,7 @@ fn clx(stamps: &[&str]) -> String {
 fn times_of(stamps: &[&str]) -> Vec<i64> {
     let text = &clx(stamps).replace("# Time format: 4\n", "");
     let (kind, frames, _) = read(text.as_bytes()).expect(text);
-    assert_eq!(kind, LogKind::Clx, "{text}");
+    assert_eq!(kind, LogKind::Frames(LogFormat::Clx), "{text}");
     let first = frames[0].time.micros() as i64;
     let times = frames.iter().map(|timed| timed.time.micros() as i64);
     times.map(|time| (time - first) / 1000).collect()
@@ -76,7 +77,11 @@ fn a_table_of_a_canedge_has_the_frames() {
         timed.time = Instant::from_micros(micros);
     }
     let text = canedge(&frames);
-    let expected = Ok((LogKind::CanEdge, frames.clone(), Skipped::default()));
+    let expected = Ok((
+        LogKind::Frames(LogFormat::CanEdge),
+        frames.clone(),
+        Skipped::default(),
+    ));
     for name in ["drive", "drive.csv", "drive.txt"] {
         assert_eq!(read_as(name, text.as_bytes()), expected);
     }
@@ -149,7 +154,10 @@ fn a_log_of_a_clx_has_the_frames() {
     ] {
         for content in [text.as_bytes(), &gzip(text.as_bytes())] {
             let (kind, frames, skipped) = read_as("00000001.txt", content).expect(text);
-            assert_eq!((kind, skipped), (LogKind::Clx, Skipped::default()));
+            assert_eq!(
+                (kind, skipped),
+                (LogKind::Frames(LogFormat::Clx), Skipped::default())
+            );
             assert_eq!(frames[..3], [at(1, 0), at(1500, 1), at(59_999, 2)]);
             assert!(!frames[3].frame.is_extended() && frames[3].frame.data().len() == 8);
             assert!(frames[4].frame.data().is_empty());

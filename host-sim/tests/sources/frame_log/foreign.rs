@@ -2,6 +2,7 @@
 
 use super::writers::{asc_header, blf, blf_container, blf_header, blf_objects, zlib};
 use super::{frame, read};
+use host_sim::files::log_format::LogFormat;
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::frame_log::Skipped;
 use host_sim::source::log::Log;
@@ -82,7 +83,11 @@ fn the_header_of_asc_may_lack_parts() {
         "",
     ] {
         let text = header.to_owned() + &asc_lines(20);
-        let expected = Ok((LogKind::Asc, frames(20), Skipped::default()));
+        let expected = Ok((
+            LogKind::Frames(LogFormat::Asc),
+            frames(20),
+            Skipped::default(),
+        ));
         assert_eq!(read(text.as_bytes()), expected, "{header}");
     }
     let text = "base hex  timestamps sometimes\n".to_owned() + &asc_lines(20);
@@ -122,27 +127,35 @@ fn a_log_is_known_by_most_of_its_first_lines() {
         (
             "   0.010000 1  Statistic: D 120 R 0 XD 900 XR 0 E 0 O 0 B 31.20%\n",
             &asc,
-            LogKind::Asc,
+            LogKind::Frames(LogFormat::Asc),
         ),
-        ("   0.000000 Start of measurement\n", &asc, LogKind::Asc),
+        (
+            "   0.000000 Start of measurement\n",
+            &asc,
+            LogKind::Frames(LogFormat::Asc),
+        ),
         (
             "   0.000000 CAN 1 Status:chip status error active\n",
             &asc,
-            LogKind::Asc,
+            LogKind::Frames(LogFormat::Asc),
         ),
-        ("a word of the logger\n", &asc, LogKind::Asc),
+        (
+            "a word of the logger\n",
+            &asc,
+            LogKind::Frames(LogFormat::Asc),
+        ),
         (
             "; a comment\n;another\n// a third\n",
             &candump,
-            LogKind::Candump,
+            LogKind::Frames(LogFormat::Candump),
         ),
         (
             "date Sun Nov 22 10:00:00 2026\n",
             &candump,
-            LogKind::Candump,
+            LogKind::Frames(LogFormat::Candump),
         ),
-        ("", &trc, LogKind::Trc),
-        ("// a comment\n", &trc, LogKind::Trc),
+        ("", &trc, LogKind::Frames(LogFormat::Trc)),
+        ("// a comment\n", &trc, LogKind::Frames(LogFormat::Trc)),
     ] {
         let (found_kind, found, _) = read(format!("{start}{text}").as_bytes()).expect(start);
         assert_eq!((found_kind, found), (kind, frames(20)), "{start}");
@@ -150,7 +163,10 @@ fn a_log_is_known_by_most_of_its_first_lines() {
     let savvy = "# a comment\nTime Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8\n\
         1000,0CF00400,true,Rx,0,1,60\n";
     let (kind, found, _) = read(savvy.as_bytes()).expect("a log");
-    assert_eq!((kind, found.len()), (LogKind::SavvyCan, 1));
+    assert_eq!(
+        (kind, found.len()),
+        (LogKind::Frames(LogFormat::SavvyCan), 1)
+    );
 }
 
 #[test]
@@ -180,13 +196,13 @@ fn the_flags_of_a_line_tell_a_classic_frame_not_its_word() {
     };
     assert_eq!(
         read(text.as_bytes()),
-        Ok((LogKind::Asc, frames(20), expected))
+        Ok((LogKind::Frames(LogFormat::Asc), frames(20), expected))
     );
     // With the name of the message.
     let named = text.replace("18FEF100x   0 0", "18FEF100x  CCVS1 0 0");
     assert_eq!(
         read(named.as_bytes()),
-        Ok((LogKind::Asc, frames(20), expected))
+        Ok((LogKind::Frames(LogFormat::Asc), frames(20), expected))
     );
 }
 
@@ -217,7 +233,10 @@ fn long_frames_in_the_classic_layout_are_can_fd() {
         can_fd: 4,
         ..Skipped::default()
     };
-    assert_eq!(read(text.as_bytes()), Ok((LogKind::Asc, expected, skipped)));
+    assert_eq!(
+        read(text.as_bytes()),
+        Ok((LogKind::Frames(LogFormat::Asc), expected, skipped))
+    );
 }
 
 #[test]

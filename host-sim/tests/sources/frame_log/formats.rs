@@ -4,6 +4,7 @@ use super::writers::{asc_header, candump, trc_header};
 use super::{frame, read, some_frames};
 use crate::packed::gzip;
 use embedded_can::{Frame, Id, StandardId};
+use host_sim::files::log_format::LogFormat;
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::log::Log;
 use host_sim::source::log_kind::LogKind;
@@ -33,11 +34,14 @@ fn an_mdf_file_has_the_frames_of_the_candump_log() {
         return;
     };
     let (kind, expected, skipped) = read(&log).expect("a log");
-    assert_eq!(kind, LogKind::Candump);
+    assert_eq!(kind, LogKind::Frames(LogFormat::Candump));
     assert!(expected.len() > 50_000);
     for content in [&mdf, &gzip(&mdf)] {
         let found = read(content).expect("an MDF file");
-        assert_eq!((found.0, found.2), (LogKind::Mdf, skipped));
+        assert_eq!(
+            (found.0, found.2),
+            (LogKind::Frames(LogFormat::Mdf), skipped)
+        );
         assert!(found.1.len() == expected.len());
         // The log has eight bytes of each frame, whatever its length.
         for (found, expected) in found.1.iter().zip(&expected) {
@@ -92,7 +96,7 @@ fn every_form_of_mdf_gives_the_same_frames() {
         let file = mdf(&of_mdf(&frames), blocks, data);
         let (kind, found, _) = read(&file).expect("an MDF file");
         assert!(
-            kind == LogKind::Mdf && found == frames,
+            kind == LogKind::Frames(LogFormat::Mdf) && found == frames,
             "{blocks:?} {data:?}"
         );
         for cut in (file.len() / 2..file.len()).step_by(file.len() / 11) {
@@ -173,9 +177,9 @@ fn csv_of_other_programs_is_read() {
     };
     let frames = [frame(1, 0x0CF0_0400, &[0x60, 0x7D, 0x84]), empty];
     for (kind, text) in [
-        (LogKind::SavvyCan, savvy),
-        (LogKind::SavvyCan, old),
-        (LogKind::PythonCan, python),
+        (LogKind::Frames(LogFormat::SavvyCan), savvy),
+        (LogKind::Frames(LogFormat::SavvyCan), old),
+        (LogKind::Frames(LogFormat::PythonCan), python),
     ] {
         let (found_kind, found, _) = read(text.as_bytes()).expect(text);
         assert_eq!((found_kind, &found[..]), (kind, &frames[..]), "{text}");

@@ -2,6 +2,7 @@
 
 use super::formats::of_mdf;
 use super::{frame, read};
+use host_sim::files::log_format::LogFormat;
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::frame_log::Skipped;
 use host_sim::source::log_kind::LogKind;
@@ -70,7 +71,11 @@ fn constants_and_tables_give_the_parts_of_frames() {
         convert(&mut file, channels[1], 5, &lengths);
         assert_eq!(
             read(&file),
-            Ok((LogKind::Mdf, frames.clone(), Skipped::default()))
+            Ok((
+                LogKind::Frames(LogFormat::Mdf),
+                frames.clone(),
+                Skipped::default()
+            ))
         );
         // Identifiers of 29 bits without their mark are none: refused, not taken for others.
         let mut standard = mdf(&of_mdf(&frames), MdfBlocks::Plain, data);
@@ -106,7 +111,10 @@ fn records_that_are_marked_as_invalid_are_left_out_and_counted() {
         invalid: 30,
         ..Skipped::default()
     };
-    assert_eq!(read(&file), Ok((LogKind::Mdf, valid, skipped)));
+    assert_eq!(
+        read(&file),
+        Ok((LogKind::Frames(LogFormat::Mdf), valid, skipped))
+    );
     // A channel of which nothing is valid, in every form of data.
     for (forms, data) in MDF_FORMS {
         let mut file = mdf(&of_mdf(&frames), forms, data);

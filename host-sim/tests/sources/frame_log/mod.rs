@@ -17,6 +17,7 @@ mod writers;
 use crate::packed::gzip;
 use embedded_can::{Frame, StandardId};
 use estimator_core::Instant;
+use host_sim::files::log_format::LogFormat;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::frame_log::{FrameLog, Skipped};
 use host_sim::source::log::Log;
@@ -61,9 +62,9 @@ fn read(content: &[u8]) -> Content {
 
 fn kind_of_format(name: &str) -> LogKind {
     match &name[..3] {
-        "asc" => LogKind::Asc,
-        "trc" => LogKind::Trc,
-        _ => LogKind::Blf,
+        "asc" => LogKind::Frames(LogFormat::Asc),
+        "trc" => LogKind::Frames(LogFormat::Trc),
+        _ => LogKind::Frames(LogFormat::Blf),
     }
 }
 
@@ -104,14 +105,18 @@ fn every_format_gives_the_same_frames_whatever_its_name() {
             assert_eq!(read_as(file, &gzip(&content)), expected, "{name} in gzip");
         }
         // A byte order mark and the line ends of Windows.
-        if kind_of_format(name) != LogKind::Blf {
+        if kind_of_format(name) != LogKind::Frames(LogFormat::Blf) {
             let text = String::from_utf8(content).expect("text");
             let text = format!("\u{feff}{}", text.replace('\n', "\r\n"));
             assert_eq!(read(text.as_bytes()), expected, "{name} of Windows");
         }
     }
     let marked = [b"\xef\xbb\xbf", &candump(&frames)[..]].concat();
-    let expected = Ok((LogKind::Candump, frames, Skipped::default()));
+    let expected = Ok((
+        LogKind::Frames(LogFormat::Candump),
+        frames,
+        Skipped::default(),
+    ));
     assert_eq!(read(&marked), expected);
 }
 

@@ -4,6 +4,7 @@ use super::{frame, read, read_as};
 use crate::packed::gzip;
 use embedded_can::Frame;
 use estimator_core::Instant;
+use host_sim::files::log_format::LogFormat;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::frame_log::Skipped;
 use host_sim::source::log_kind::LogKind;
@@ -49,7 +50,7 @@ fn clock(ms: u64) -> (u64, u64, u64, u64) {
 
 const WRITERS: [(LogKind, Line, u64); 4] = [
     (
-        LogKind::Canboat,
+        LogKind::Frames(LogFormat::Canboat),
         |ms, data| {
             let (h, m, s, ms) = clock(ms);
             let bytes = spaced(data, ",").to_lowercase();
@@ -59,7 +60,7 @@ const WRITERS: [(LogKind, Line, u64); 4] = [
         START_MS,
     ),
     (
-        LogKind::Canboat,
+        LogKind::Frames(LogFormat::Canboat),
         |ms, data| {
             let (h, m, s, ms) = clock(ms);
             let time = format!("2026-11-22-{h:02}:{m:02}:{s:02}.{ms:03}");
@@ -72,7 +73,7 @@ const WRITERS: [(LogKind, Line, u64); 4] = [
         START_MS,
     ),
     (
-        LogKind::YachtDevices,
+        LogKind::Frames(LogFormat::YachtDevices),
         |ms, data| {
             let (h, m, s, ms) = clock(ms);
             format!(
@@ -83,7 +84,7 @@ const WRITERS: [(LogKind, Line, u64); 4] = [
         MORNING_MS,
     ),
     (
-        LogKind::Actisense,
+        LogKind::Frames(LogFormat::Actisense),
         |ms, data| {
             let (h, m, s, ms) = clock(ms);
             format!(
