@@ -1,10 +1,9 @@
 //! What a file is, by its first bytes: for messages about files in the wrong place.
 
 use super::log_format::{LogFormat, format_of};
-use super::marks::GZIP_MAGIC;
+use super::unpacked::{self, ROAD_ENDINGS};
 use crate::error::Error;
 use estimator_core::{Signal, Tuning};
-use flate2::read::MultiGzDecoder;
 use std::fmt;
 use std::fs::File;
 use std::io::Read;
@@ -158,17 +157,15 @@ pub(crate) fn explained(error: Error, path: &Path, expected: &[Kind]) -> Error {
     refuse_other(path, expected).err().unwrap_or(error)
 }
 
-/// Returns the first bytes, those inside of a gzip file.
+/// Returns the first bytes, those inside of a packed file.
 fn head(path: &Path) -> std::io::Result<Vec<u8>> {
     let mut head = Vec::new();
-    File::open(path)?.take(HEAD_BYTES).read_to_end(&mut head)?;
-    if head.starts_with(GZIP_MAGIC) {
-        let mut inside = Vec::new();
-        // The head of a gzip file ends early, and what is before that is enough.
-        let _ = MultiGzDecoder::new(&head[..])
-            .take(HEAD_BYTES)
-            .read_to_end(&mut inside);
-        return Ok(inside);
+    if let Ok(file) = unpacked::open(path, ROAD_ENDINGS) {
+        // What is before the damage of a packed file is enough.
+        let _ = file.take(HEAD_BYTES).read_to_end(&mut head);
+    }
+    if head.is_empty() {
+        File::open(path)?.take(HEAD_BYTES).read_to_end(&mut head)?;
     }
     Ok(head)
 }

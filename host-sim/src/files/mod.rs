@@ -36,5 +36,6 @@ pub mod stop;
 pub mod temporary;
 pub mod truth;
 pub mod tuning;
+pub(crate) mod unpacked;
 pub mod utc;
 pub mod vehicle;

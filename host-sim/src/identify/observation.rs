@@ -62,6 +62,8 @@ pub struct Observation {
     pub fastest_rpm: f64,
     /// Whether the engine torque is that of diagnostic answers: trucks broadcast theirs (J1939).
     pub is_light_vehicle: bool,
+    /// The vehicle identification number (VIN), if the bus tells it.
+    pub vehicle_number: Option<String>,
     /// Way of the wheels, m.
     pub distance_m: f64,
     /// Values that the bus tells of the vehicle.
@@ -139,6 +141,7 @@ impl Observation {
             },
         )?;
         found.is_light_vehicle = report.has_diagnostic_torque;
+        found.vehicle_number = report.vehicle_number;
         Ok(found)
     }
 

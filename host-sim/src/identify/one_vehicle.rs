@@ -35,6 +35,7 @@ const CONSTANTS: [(Signal, &str, &str, f64); 3] = [
 /// # Errors
 /// Names two logs, and what differs.
 pub(super) fn check(logs: &[PathBuf], observed: &[Observation]) -> Result<()> {
+    numbers(logs, observed)?;
     for (signal, name, unit, most) in CONSTANTS {
         let told = |of: &Observation| of.told(signal).map(|(mean, _)| mean);
         if let Some((least, greatest)) = spread(logs, observed, told)
@@ -54,6 +55,22 @@ pub(super) fn check(logs: &[PathBuf], observed: &[Observation]) -> Result<()> {
         return Err(error(greatest.0, &more, least.0, "another axle or wheels"));
     }
     gearboxes(logs, observed)
+}
+
+/// Refuses logs with two vehicle identification numbers.
+fn numbers(logs: &[PathBuf], observed: &[Observation]) -> Result<()> {
+    let numbers = logs.iter().zip(observed);
+    let mut numbers = numbers.filter_map(|(log, of)| Some((log, of.vehicle_number.as_ref()?)));
+    let Some((first, number)) = numbers.next() else {
+        return Ok(());
+    };
+    match numbers.find(|(_, other)| *other != number) {
+        Some((log, other)) => {
+            let has = |number| format!("the identification number {number}");
+            Err(error(log, &has(other), first, &has(number)))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Refuses logs whose numbered gears mostly have other ratios.

@@ -3,6 +3,7 @@
 use super::can_frame::TimedFrame;
 use super::obd::ObdAnswers;
 use super::own_signals::OwnSignals;
+use super::vehicle_number::VehicleNumber;
 use estimator_core::{Reading, Signal};
 use std::sync::Arc;
 
@@ -13,6 +14,7 @@ pub struct FrameReadings {
     /// Signals that no own message had so far.
     unseen: Vec<Signal>,
     obd: ObdAnswers,
+    vehicle_number: VehicleNumber,
 }
 
 impl FrameReadings {
@@ -24,6 +26,7 @@ impl FrameReadings {
             own: own.cloned(),
             obd: ObdAnswers::new(signals.iter().copied()),
             unseen: signals,
+            vehicle_number: VehicleNumber::default(),
         }
     }
 
@@ -36,12 +39,19 @@ impl FrameReadings {
             });
         }
         self.obd.decode(timed, sink);
+        self.vehicle_number.take(&timed.frame);
     }
 
     /// Returns the signals of own messages that no frame had so far.
     #[must_use]
     pub fn unseen(&self) -> &[Signal] {
         &self.unseen
+    }
+
+    /// Returns the vehicle identification number (VIN), if the bus or an answer tells it.
+    #[must_use]
+    pub fn vehicle_number(&self) -> Option<&str> {
+        self.vehicle_number.number().or(self.obd.vehicle_number())
     }
 
     /// Returns what was read of diagnostic answers.

@@ -81,6 +81,7 @@ pub fn for_each_input(
     let mut log = Log::open(log, options)?;
     let mut unseen_signals = Vec::new();
     let mut has_diagnostic_torque = false;
+    let mut vehicle_number = None;
     let mut pace = Pace::default();
     match &mut log {
         Log::Frames(reader) => {
@@ -98,6 +99,7 @@ pub fn for_each_input(
             let unseen = readings.unseen().iter();
             unseen_signals = unseen.map(|signal| signal.column()).collect();
             has_diagnostic_torque = readings.obd().gives(Signal::EngineTorque);
+            vehicle_number = readings.vehicle_number().map(str::to_owned);
         }
         Log::Signals(reader) => {
             while let Some(row) = reader.next_row()? {
@@ -128,6 +130,7 @@ pub fn for_each_input(
     Ok(LogReport {
         unseen_signals,
         has_diagnostic_torque,
+        vehicle_number,
         ..log.report()
     })
 }

@@ -29,4 +29,7 @@ pub struct LogReport {
     /// Whether the engine torque is that of diagnostic answers (service 01), as light vehicles have it.
     #[serde(skip)]
     pub has_diagnostic_torque: bool,
+    /// The vehicle identification number (VIN), if the bus tells it.
+    #[serde(skip)]
+    pub vehicle_number: Option<String>,
 }

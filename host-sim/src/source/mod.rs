@@ -26,13 +26,14 @@ mod packed_members;
 mod packing;
 pub mod parquet_table;
 pub mod read_options;
+mod row_order;
 pub mod signal_range;
 pub mod signal_source;
 pub mod signal_table;
 #[cfg(target_os = "linux")]
 pub mod socketcan;
-mod table_clock;
 pub mod terrain;
-mod terrain_tiles;
+mod time_order;
+mod vehicle_number;
 
 pub mod ztbus;

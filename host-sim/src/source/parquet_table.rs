@@ -2,14 +2,17 @@
 
 use super::damage::{Damage, DamageCheck};
 use super::read_options::ReadOptions;
-use super::signal_table::{ColumnName, HeaderColumns, Problem, SignalRow, checked, columns_of};
-use super::table_clock::{EXPECTED, NoTime, TableClock};
+use super::row_order::RowOrder;
+use super::signal_table::{
+    ColumnName, HeaderColumns, IN_ORDER, NoTime, Problem, SignalRow, TIME_EXPECTED, checked,
+    columns_of,
+};
 use crate::error::{Error, Result};
 use crate::files::parquet::{NumberBatches, open};
-use estimator_core::{Instant, Reading, Signal};
+use estimator_core::{Reading, Signal};
 use std::path::Path;
 
-/// Reader of tables, row by row; its memory does not depend on the length of the table.
+/// Reader of tables, row by row; its memory does not depend on the length of a table that is long.
 pub struct ParquetTable {
     batches: NumberBatches,
     header: HeaderColumns,
@@ -18,7 +21,8 @@ pub struct ParquetTable {
     next: usize,
     /// Rows so far, with the damaged ones.
     row: u64,
-    clock: TableClock,
+    order: RowOrder,
+    is_over: bool,
     readings: Vec<Reading>,
     damage: DamageCheck,
 }
@@ -52,7 +56,8 @@ impl ParquetTable {
             batch: Vec::new(),
             next: 0,
             row: 0,
-            clock: TableClock::default(),
+            order: RowOrder::new(),
+            is_over: false,
             readings: Vec::new(),
             damage: DamageCheck::new(options.strict),
         })
@@ -72,7 +77,7 @@ impl ParquetTable {
     /// Returns what was mended of the times, and what was taken for ours, in words.
     #[must_use]
     pub fn mended(&self) -> Vec<String> {
-        self.header.mended(&self.clock)
+        self.header.mended(&self.order)
     }
 
     /// Returns what was left out so far.
@@ -81,56 +86,74 @@ impl ParquetTable {
         self.damage.found()
     }
 
-    /// Reads the next row; `None` at the end. Rows with a time that is missing or runs backwards, or
-    /// with a number beyond its range, are left out.
+    /// Reads the next row; `None` at the end. Rows come in the order of time. Those with a time that is
+    /// missing or over, or with a number beyond its range, are left out.
     ///
     /// # Errors
     /// Returns an error, with row, column and expected value, for a table with too much damage or
     /// without rows, and for a damaged file.
     pub fn next_row(&mut self) -> Result<Option<SignalRow<'_>>> {
-        loop {
-            if self
-                .batch
-                .first()
-                .is_none_or(|times| self.next >= times.len())
-            {
-                let Some(batch) = self.batches.next_batch()? else {
-                    return self.end().map(|()| None);
-                };
-                (self.batch, self.next) = (batch, 0);
-                continue;
+        while !self.order.advance() {
+            if self.is_over {
+                return Ok(None);
             }
-            self.row += 1;
-            let row = self.next;
-            self.next += 1;
-            match self.parse(row) {
-                Ok(time) => {
-                    self.clock.take(time);
-                    return Ok(Some(SignalRow {
-                        time,
-                        readings: &self.readings,
-                    }));
+            let left_out = if self.has_batch()? {
+                self.row += 1;
+                let row = self.next;
+                self.next += 1;
+                match self.parse(row) {
+                    Ok(micros) => self.order.put(self.row, micros, &self.readings),
+                    Err(problem) => {
+                        self.leave_out(problem)?;
+                        continue;
+                    }
                 }
-                Err(problem) => {
-                    let good = self.row - 1 - self.damage.found().lines;
-                    self.damage.line(problem, good)?;
-                }
+            } else {
+                self.is_over = true;
+                self.order.end()
+            };
+            for (row, problem) in left_out {
+                self.leave_out(self.error(row, &problem, IN_ORDER))?;
+            }
+            if self.is_over {
+                self.end()?;
             }
         }
+        Ok(Some(self.order.row()))
     }
 
-    /// Reads the values of a row of the batch.
-    fn parse(&mut self, row: usize) -> Result<Instant> {
+    fn leave_out(&mut self, problem: Error) -> Result<()> {
+        let good = (self.row - self.damage.found().lines).saturating_sub(1);
+        self.damage.line(problem, good)
+    }
+
+    /// Returns whether there is a next row in the batch, and reads another one for it.
+    fn has_batch(&mut self) -> Result<bool> {
+        while self
+            .batch
+            .first()
+            .is_none_or(|times| self.next >= times.len())
+        {
+            let Some(batch) = self.batches.next_batch()? else {
+                return Ok(false);
+            };
+            (self.batch, self.next) = (batch, 0);
+        }
+        Ok(true)
+    }
+
+    /// Reads the values of a row of the batch. Returns its time, µs.
+    fn parse(&mut self, row: usize) -> Result<i64> {
         let number = self.number(row);
-        let time = self.header.time.read(&mut self.clock, "", number);
+        let micros = self.header.time.micros("", number);
         let name = &self.header.time.name;
-        let time = time.map_err(|problem| match problem {
+        let micros = micros.map_err(|problem| match problem {
             NoTime::NoUnit => self.error(
+                self.row,
                 &format!("{name} has no unit"),
                 "a time since 1970, or a unit of the time in --columns",
             ),
-            NoTime::Wrong => self.error(&format!("{name} is wrong"), EXPECTED),
-            NoTime::Backwards(problem) => self.error(&problem, "times that do not decrease"),
+            NoTime::Wrong => self.error(self.row, &format!("{name} is wrong"), TIME_EXPECTED),
         })?;
         self.readings.clear();
         for (column, values) in self.header.columns.iter().zip(&self.batch[1..]) {
@@ -139,12 +162,12 @@ impl ParquetTable {
             if let Some(number) = number {
                 let number = number * column.scale + column.offset;
                 let value = checked(signal, Some(number)).map_err(|expected| {
-                    self.error(&format!("{} is wrong", signal.column()), expected)
+                    self.error(self.row, &format!("{} is wrong", signal.column()), expected)
                 })?;
                 self.readings.push(Reading { signal, value });
             }
         }
-        Ok(time)
+        Ok(micros)
     }
 
     /// Returns the number of the time of a row of the batch.
@@ -163,8 +186,8 @@ impl ParquetTable {
         Err(self.damage.take_first().unwrap_or(empty))
     }
 
-    fn error(&self, what: &str, expected: &str) -> Error {
-        let problem = format!("row {}: {what}; expected {expected}", self.row);
+    fn error(&self, row: u64, what: &str, expected: &str) -> Error {
+        let problem = format!("row {row}: {what}; expected {expected}");
         Error::content(self.batches.path(), problem)
     }
 }

@@ -1,8 +1,11 @@
-//! SRTM tiles: interpolation, voids, and tiles that cannot be used.
+//! Elevation: SRTM tiles and GeoTIFF, interpolation, voids, and files that cannot be used.
 
 use host_sim::source::terrain::Terrain;
 use std::fs;
 use std::path::Path;
+use tiff::encoder::colortype::{ColorType, Gray32Float, GrayI16};
+use tiff::encoder::{TiffEncoder, TiffValue};
+use tiff::tags::Tag;
 
 const SIDE: usize = 1201;
 
@@ -181,4 +184,106 @@ fn tiles_are_found_in_folders_under_other_names_and_packed() {
             "{error}"
         );
     }
+}
+
+/// Writes a GeoTIFF of 90 rows and 60 columns with a plane, from 60 degrees north and 17 degrees east
+/// on. The keys are pairs of a number and its value.
+fn write_geo_tiff<T>(path: &Path, keys: &[(u16, u16)], posts: &[T::Inner])
+where
+    T: ColorType,
+    [T::Inner]: TiffValue,
+{
+    let mut file = TiffEncoder::new(fs::File::create(path).unwrap()).unwrap();
+    let mut file = file.new_image::<T>(60, 90).unwrap();
+    let mut directory = vec![1_u16, 1, 0, keys.len() as u16];
+    for (key, value) in keys {
+        directory.extend([*key, 0, 1, *value]);
+    }
+    let tags = file.encoder();
+    tags.write_tag(Tag::ModelPixelScaleTag, &[0.02, 0.01, 0.0][..])
+        .unwrap();
+    let tie = [0.0, 0.0, 0.0, 17.0, 60.0, 0.0];
+    tags.write_tag(Tag::ModelTiepointTag, &tie[..]).unwrap();
+    tags.write_tag(Tag::GeoKeyDirectoryTag, &directory[..])
+        .unwrap();
+    tags.write_tag(Tag::GdalNodata, "77").unwrap();
+    file.write_data(posts).unwrap();
+}
+
+fn plane_m(row: f64, column: f64) -> f64 {
+    100.0 + 2.0 * row + 3.0 * column
+}
+
+fn plane() -> Vec<f32> {
+    (0..90 * 60)
+        .map(|at| plane_m(f64::from(at / 60), f64::from(at % 60)) as f32)
+        .collect()
+}
+
+const DEGREES: (u16, u16) = (1024, 2);
+
+#[test]
+fn geo_tiff_is_found_by_its_place_and_read_between_its_posts() {
+    for (raster_type, centre) in [(1, 0.5), (2, 0.0)] {
+        for is_whole in [false, true] {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("a/Ground.TIF");
+            fs::create_dir(path.parent().unwrap()).unwrap();
+            let keys = [DEGREES, (1025, raster_type)];
+            if is_whole {
+                let posts: Vec<i16> = plane().into_iter().map(|m| m as i16).collect();
+                write_geo_tiff::<GrayI16>(&path, &keys, &posts);
+            } else {
+                write_geo_tiff::<Gray32Float>(&path, &keys, &plane());
+            }
+            let mut terrain = Terrain::new(folder.path());
+            for (row, column) in [(0.0, 0.0), (44.5, 30.25), (89.0, 59.0), (12.75, 3.5)] {
+                let latitude = 60.0 - (row + centre) * 0.01;
+                let longitude = 17.0 + (column + centre) * 0.02;
+                let found = terrain.altitude_m(latitude, longitude).unwrap().unwrap();
+                let expected = plane_m(row, column);
+                assert!((found - expected).abs() < 1e-4, "{found}, not {expected}");
+            }
+            // Half a step beyond the last post.
+            let beyond = terrain.altitude_m(60.0 - (89.4 + centre) * 0.01, 17.5);
+            assert!(beyond.unwrap().is_some());
+            let beyond = terrain.altitude_m(60.0 - (89.6 + centre) * 0.01, 17.5);
+            assert!(beyond.unwrap_err().to_string().contains("N59E017.hgt"));
+        }
+    }
+}
+
+#[test]
+fn posts_without_elevation_in_a_geo_tiff_are_void() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut posts = plane();
+    for (row, value) in [(10, f32::NAN), (20, 77.0), (30, -32767.0), (40, 3.4e38)] {
+        posts[row * 60 + 5] = value;
+    }
+    let path = folder.path().join("ground.tif");
+    write_geo_tiff::<Gray32Float>(&path, &[DEGREES, (1025, 2)], &posts);
+    let mut terrain = Terrain::new(folder.path());
+    for row in [10.0, 20.0, 30.0, 40.0] {
+        let at = |row: f64| terrain.altitude_m(60.0 - row * 0.01, 17.1).unwrap();
+        let found = [row - 0.5, row, row + 1.0].map(at);
+        assert!(matches!(found, [None, None, Some(_)]), "{found:?}");
+    }
+}
+
+#[test]
+fn a_geo_tiff_that_cannot_be_used_costs_itself_and_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    // In metres of a projection.
+    let projected = folder.path().join("projected.tif");
+    write_geo_tiff::<Gray32Float>(&projected, &[(1024, 1)], &plane());
+    let mut terrain = Terrain::new(folder.path());
+    let error = terrain.altitude_m(59.5, 17.5).unwrap_err().to_string();
+    assert!(
+        error.contains("projected.tif") && error.contains("gdalwarp"),
+        "{error}"
+    );
+    fs::write(folder.path().join("cut.tif"), b"II*\0").unwrap();
+    write_tile(&folder.path().join("N59E017.hgt"), |_, _| 12);
+    let mut terrain = Terrain::new(folder.path());
+    assert_eq!(terrain.altitude_m(59.5, 17.5).unwrap(), Some(12.0));
 }

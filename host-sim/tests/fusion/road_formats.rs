@@ -1,7 +1,7 @@
 //! Roads in the forms that other programs write: GPX, KML, OpenStreetMap XML, sequences of GeoJSON.
 
 use flate2::Compression;
-use flate2::write::GzEncoder;
+use flate2::write::{DeflateEncoder, GzEncoder};
 use host_sim::map::{Network, read_network};
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -239,5 +239,63 @@ fn single_features_and_sequences_of_geojson_are_networks() {
         ("two.json", two, &["a forward", "b forward", "c forward"]),
     ] {
         assert_eq!(names(name, text), expected, "{name}");
+    }
+}
+
+/// Returns a zip archive. Each entry is a name and its content, and says its size or leaves it to
+/// what stands behind the content.
+fn zip(entries: &[(&str, &[u8])], has_sizes: bool) -> Vec<u8> {
+    let mut archive = Vec::new();
+    for (name, content) in entries {
+        let mut packed = DeflateEncoder::new(Vec::new(), Compression::fast());
+        packed.write_all(content).unwrap();
+        let packed = packed.finish().unwrap();
+        let size = if has_sizes { packed.len() as u32 } else { 0 };
+        archive.extend(b"PK\x03\x04");
+        archive.extend([20, 0, if has_sizes { 0 } else { 8 }, 0, 8, 0]);
+        archive.extend([0; 8]);
+        archive.extend(size.to_le_bytes());
+        archive.extend((content.len() as u32).to_le_bytes());
+        archive.extend((name.len() as u16).to_le_bytes());
+        archive.extend([0; 2]);
+        archive.extend(name.as_bytes());
+        archive.extend(packed);
+    }
+    archive
+}
+
+#[test]
+fn packed_roads_are_read() {
+    let folder = folder();
+    let at = folder.path();
+    let line: Vec<String> = positions()
+        .iter()
+        .map(|(x, y)| format!("{x:.7},{y:.7}"))
+        .collect();
+    let kml = format!(
+        "<kml><Placemark><name>road</name><LineString><coordinates>{}</coordinates></LineString>\
+         </Placemark></kml>",
+        line.join(" ")
+    );
+    let image = ("files/icon.png", &b"\x89PNG"[..]);
+    let first = zip(&[("doc.kml", kml.as_bytes()), image], false);
+    let second = zip(&[image, ("DOC.KML", kml.as_bytes())], true);
+    for (name, content) in [("road.kmz", first), ("second.kmz", second)] {
+        assert_is_road(&ways(&network(at, name, content)), "road");
+    }
+    let geojson = collection(&[way("road", "no", &hills())]);
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::fast());
+    gzip.write_all(geojson.as_bytes()).unwrap();
+    let gzip = gzip.finish().unwrap();
+    let plain = ways(&network(at, "road.geojson", &geojson));
+    assert_eq!(ways(&network(at, "road.geojson.gz", &gzip)), plain);
+    for (name, content) in [
+        ("cut.geojson.gz", gzip[..gzip.len() / 2].to_vec()),
+        ("images.kmz", zip(&[image], true)),
+    ] {
+        std::fs::write(at.join(name), content).unwrap();
+        let error = read_network(&at.join(name)).unwrap_err().to_string();
+        assert!(error.contains(name), "{error}");
+        println!("{error}");
     }
 }

@@ -1,12 +1,15 @@
 //! The vehicle files that logs ask for, and how good estimates with them are.
 
 use super::trucks::{HEAVY, LIGHT, QUICK, Truck, simulate, without, without_ratio};
+use embedded_can::{Frame, Id};
 use estimator_core::Traction;
 use host_sim::files::run;
 use host_sim::files::truth;
 use host_sim::files::vehicle::VehicleFile;
 use host_sim::score::score_run;
+use host_sim::source::can_frame::CanFrame;
 use serde_json::Value;
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use test_kit::command::{folder, roadgrade};
@@ -239,6 +242,49 @@ fn logs_of_two_vehicles_are_refused() {
     run(&["light.log", "light.log"]).success();
     // Who says what the vehicle is like, knows what it is.
     run(&["--like", "truck12t", "heavy.log", "light.log"]).success();
+}
+
+#[test]
+fn logs_with_two_identification_numbers_are_refused() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&HEAVY], 4_000.0, false);
+    let log = fs::read_to_string(path.join("heavy.log")).unwrap();
+    let (_, first) = log.split_once('(').unwrap();
+    let (time, rest) = first.split_once(')').unwrap();
+    let bus = rest.split_whitespace().next().unwrap();
+    let numbered = |name: &str, number: &str| {
+        let frames = CanFrame::broadcast(65_260, 0, number.as_bytes());
+        let mut text = String::new();
+        for frame in frames {
+            let id = match frame.id() {
+                Id::Extended(id) => id.as_raw(),
+                Id::Standard(_) => panic!("29 bits"),
+            };
+            let data: String = frame.data().iter().map(|b| format!("{b:02X}")).collect();
+            writeln!(text, "({time}) {bus} {id:08X}#{data}").unwrap();
+        }
+        fs::write(path.join(name), text + &log).unwrap();
+    };
+    let numbers = ["1XKYD49X0EJ123456", "1XKYD49X0EJ123457"];
+    numbered("a.log", numbers[0]);
+    numbered("b.log", numbers[1]);
+    let identify = |logs: &[&str]| {
+        let command = [&["identify", "--out", "found.toml"][..], logs].concat();
+        roadgrade(path, &command)
+    };
+    let refused = identify(&["a.log", "heavy.log", "b.log"]).failure().code(1);
+    let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    for part in [
+        "b.log",
+        "of another vehicle than",
+        "a.log",
+        numbers[0],
+        numbers[1],
+    ] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    identify(&["a.log", "heavy.log"]).success();
 }
 
 #[test]

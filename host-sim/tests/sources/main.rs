@@ -12,3 +12,4 @@ mod packed;
 mod parquet_table;
 mod read_options;
 pub(crate) mod signal_table;
+mod vehicle_number;

@@ -58,12 +58,7 @@ fn wrong_tables_are_refused() {
     let path = folder.path().join("table.parquet");
     for (times, speeds, problem) in [
         (
-            &[1.0, 0.5][..],
-            [Some(1.0), None],
-            "row 2: time_s runs backwards, from 1.000000 s to 0.500000 s; expected",
-        ),
-        (
-            &[1.0, 5e9],
+            &[1.0, 5e9][..],
             [None, None],
             "row 2: time_s is wrong; expected seconds",
         ),
@@ -110,7 +105,7 @@ fn a_few_wrong_rows_are_left_out_and_counted() {
     }
     assert_eq!((rows, table.damage().lines), (397, 3));
     let first = &table.damage().first[0];
-    assert!(first.contains("row 201: time_s runs backwards"), "{first}");
+    assert!(first.contains("row 201: time_s comes again"), "{first}");
     let strict = program()
         .args(["inspect", "--strict"])
         .arg(&path)
@@ -118,7 +113,7 @@ fn a_few_wrong_rows_are_left_out_and_counted() {
         .code(1);
     strict.stderr(predicates::str::contains("row 201: time_s"));
     for time in &mut times[100..104] {
-        *time = -1.0;
+        *time = 30.0;
     }
     write(&path, &times, &speeds);
     let message = self::rows(&path).unwrap_err();

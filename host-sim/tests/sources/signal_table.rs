@@ -6,6 +6,7 @@ use host_sim::source::log::Log;
 use host_sim::source::read_options::ReadOptions;
 use host_sim::source::signal_table::{SignalTableReader, write};
 use proptest::prelude::*;
+use std::fmt::Write as _;
 use std::path::Path;
 
 type TableRow = (u64, Vec<(Signal, Value)>);
@@ -234,10 +235,6 @@ fn cells_are_checked_with_line_and_column() {
             "1,2,\n2,2\n",
             "table.csv:3: 2 fields; expected 3, as many as the header has",
         ),
-        (
-            "1.5,2,\n1.25,2,\n",
-            "table.csv:3: time_s runs backwards, from 1.500000 s to 1.250000 s; expected times",
-        ),
     ] {
         let message = error(&format!("time_s,gear,latitude_deg\n{rows}\n"));
         assert!(message.starts_with(problem), "{rows:?}: {message}");
@@ -349,7 +346,86 @@ fn negative_times_are_moved_to_begin_with_zero() {
     let rows = read(b"time_s,gear\n-1.5,1\n-0.25,2\n1,3\n").expect("a table");
     let times: Vec<u64> = rows.iter().map(|row| row.0).collect();
     assert_eq!(times, [0, 1_250_000, 2_500_000]);
-    let message = error("time_s,gear\n-1.5,1\n-2.5,2\n");
-    let words = "table.csv:3: time_s runs backwards, from -1.500000 s to -2.500000 s";
-    assert!(message.starts_with(words), "{message}");
+    let rows = read(b"time_s,gear\n-1.5,1\n-2.5,2\n").expect("a table");
+    let times: Vec<u64> = rows.iter().map(|row| row.0).collect();
+    assert_eq!(times, [0, 1_000_000]);
+}
+
+/// Returns the times of a table with these, s, and its gears; or the message.
+fn ordered(times_s: impl IntoIterator<Item = f64>) -> Result<Vec<(u64, Value)>, String> {
+    let mut table = "time_s,gear\n".to_owned();
+    for time_s in times_s {
+        writeln!(table, "{time_s},{}", time_s.rem_euclid(100.0).round()).expect("text");
+    }
+    let rows = read(table.as_bytes())?;
+    Ok(rows
+        .iter()
+        .map(|(time, readings)| (*time, readings[0].1))
+        .collect())
+}
+
+#[test]
+fn rows_come_in_the_order_of_time() {
+    let times = || (0..3_000).map(f64::from);
+    let in_order = ordered(times()).expect("a table");
+    assert!(in_order.is_sorted_by_key(|row| row.0));
+    let swapped = times().map(|time| time + 1.0 - 2.0 * (time % 2.0));
+    let newest_first = times().map(|time| 2_999.0 - time);
+    // The second part before the first one, as files are put together in the wrong order.
+    let parts = (1_000..3_000).chain(0..1_000).map(f64::from);
+    for (name, table) in [
+        ("swapped", swapped.collect::<Vec<f64>>()),
+        ("newest first", newest_first.collect()),
+        ("parts", parts.collect()),
+    ] {
+        assert_eq!(ordered(table).as_ref(), Ok(&in_order), "{name}");
+    }
+}
+
+#[test]
+fn rows_of_different_signals_may_stand_apart() {
+    let mut table = "time_s,gear,latitude_deg\n".to_owned();
+    for time in 0..400 {
+        writeln!(table, "{time},{},", time % 10).expect("text");
+    }
+    for time in 0..400 {
+        writeln!(table, "{time},,{}", 47.0 + f64::from(time) * 1e-4).expect("text");
+    }
+    let rows = read(table.as_bytes()).expect("a table");
+    assert_eq!(rows.len(), 800);
+    assert!(rows.is_sorted_by_key(|row| row.0));
+}
+
+#[test]
+fn times_that_begin_again_are_refused() {
+    let twice = (0..3_000).chain(0..3_000).map(f64::from);
+    let message = ordered(twice).expect_err("two drives");
+    for words in ["time_s comes again: 2.000000 s is within", "cut the table"] {
+        assert!(message.contains(words), "{message}");
+    }
+}
+
+#[test]
+fn one_wrong_time_costs_its_row() {
+    for wrong_s in [500.0, 0.0, -1e6, 4_000.0, 1.7e9] {
+        let times = (0..3_000).map(|time| {
+            if time == 2_000 {
+                wrong_s
+            } else {
+                f64::from(time)
+            }
+        });
+        let rows = ordered(times).expect("a table");
+        assert_eq!(rows.len(), 2_999, "{wrong_s}");
+        assert_eq!(
+            rows.last().map(|row| row.0),
+            Some(2_999_000_000),
+            "{wrong_s}"
+        );
+    }
+    // A stop, and rows that are far apart, are none.
+    let stopped = (0..3_000).map(|time| f64::from(time + if time < 2_000 { 0 } else { 36_000 }));
+    assert_eq!(ordered(stopped).expect("a table").len(), 3_000);
+    let rare = (0..300).map(|time| f64::from(60 * time));
+    assert_eq!(ordered(rare).expect("a table").len(), 300);
 }

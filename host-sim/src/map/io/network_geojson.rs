@@ -6,6 +6,7 @@ use super::way_file::check_way;
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
 use crate::files::marks::BYTE_ORDER_MARK;
+use crate::files::unpacked::{self, ROAD_ENDINGS};
 use geojson::feature::Id;
 use geojson::{Feature, Position, Value as Shape};
 use serde::Deserializer;
@@ -14,7 +15,6 @@ use serde_json::{Map, Value};
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::fmt;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
@@ -200,7 +200,7 @@ impl<R: Read> Read for Counted<'_, R> {
 /// # Errors
 /// Returns an error that names the file, the line or feature, and the expected value.
 pub(super) fn read_geojson(path: &Path) -> Result<NetworkDraft> {
-    let file = File::open(path).map_err(Error::io(path))?;
+    let file = unpacked::open(path, ROAD_ENDINGS)?;
     let budget = Cell::new(FEATURE_BYTES);
     let mut file = BufReader::new(Counted {
         inner: file,

@@ -2,12 +2,10 @@
 
 use crate::error::{Error, Result};
 use crate::files::limits::Budget;
-use crate::files::marks::GZIP_MAGIC;
-use flate2::read::MultiGzDecoder;
+use crate::files::unpacked::{self, ROAD_ENDINGS};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::BufReader;
 use std::path::Path;
 
 /// Bytes of one element or text: a line of 2,500 km.
@@ -50,16 +48,7 @@ pub(super) fn for_each_step(
     path: &Path,
     mut take: impl FnMut(Step<'_>) -> std::result::Result<(), String>,
 ) -> Result<()> {
-    let mut file = BufReader::new(File::open(path).map_err(Error::io(path))?);
-    let is_packed = file
-        .fill_buf()
-        .map_err(Error::io(path))?
-        .starts_with(GZIP_MAGIC);
-    let file: Box<dyn Read> = if is_packed {
-        Box::new(MultiGzDecoder::new(file))
-    } else {
-        Box::new(file)
-    };
+    let file = unpacked::open(path, ROAD_ENDINGS)?;
     let budget = Budget::new(file, ELEMENT_BYTES, "part of XML");
     let mut reader = Reader::from_reader(BufReader::new(budget));
     let mut buffer = Vec::new();

@@ -5,6 +5,7 @@ use crate::source::can_frame::CanFrame;
 use crate::source::damage::DamageCheck;
 use crate::source::interfaces::{InterfaceIndex, Interfaces};
 use crate::source::log_file::LogFile;
+use crate::source::time_order::Timed;
 use std::fmt;
 
 /// A frame as a log has it.
@@ -14,6 +15,12 @@ pub(in crate::source) struct LoggedFrame {
     pub micros: i64,
     pub interface: InterfaceIndex,
     pub frame: CanFrame,
+}
+
+impl Timed for LoggedFrame {
+    fn micros(&self) -> i64 {
+        self.micros
+    }
 }
 
 /// Number of frames skipped.

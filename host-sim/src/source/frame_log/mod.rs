@@ -16,7 +16,6 @@ mod csv_columns;
 mod csv_logs;
 mod csv_row;
 mod fields;
-mod frame_order;
 mod frame_reader;
 mod interface_arbiter;
 mod line_problem;
@@ -42,12 +41,12 @@ use super::log_kind::LogKind;
 use super::log_report::LogReport;
 use super::mdf::mdf_file::MdfFile;
 use super::read_options::ReadOptions;
+use super::time_order::TimeOrder;
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
 use crate::files::log_format::{LogFormat, format_of};
 use crate::files::utc::utc_text;
 use estimator_core::Instant;
-use frame_order::FrameOrder;
 use frame_reader::{FrameReader, LoggedFrame};
 use interface_arbiter::InterfaceArbiter;
 use log_clock::{DISORDER_US, IN_ORDER, LogClock, Placed};
@@ -58,6 +57,8 @@ use std::path::Path;
 /// Times after this are those since the Unix epoch: 2001-09-09. A measurement is shorter.
 const EPOCH_FROM_US: i64 = 1_000_000_000_000_000;
 
+/// Most frames that wait for earlier ones: with the next one 8 MiB, some minutes of a bus.
+const MOST_WAITING: usize = (1 << 18) - 1;
 /// What to do with a log whose times begin again.
 const RESTARTED: &str = "if the clock was set back within a drive, give --rejoin; if another drive begins \
                          there, cut the log into one for each drive";
@@ -74,7 +75,7 @@ pub struct FrameLog {
     beside: Option<String>,
     reader: Box<dyn FrameReader>,
     clock: LogClock,
-    order: FrameOrder,
+    order: TimeOrder<LoggedFrame>,
     arbiter: InterfaceArbiter,
     /// Names of the interfaces to read; of all if empty.
     interfaces: Vec<String>,
@@ -135,7 +136,7 @@ impl FrameLog {
             beside: None,
             reader,
             clock: LogClock::new(options.rejoin),
-            order: FrameOrder::default(),
+            order: TimeOrder::new(MOST_WAITING),
             arbiter: InterfaceArbiter::default(),
             interfaces: options.interfaces.clone(),
             selected: 0,

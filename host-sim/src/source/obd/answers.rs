@@ -1,8 +1,9 @@
 //! Which diagnostic answers become readings.
 
-use super::parameters::{Parameter, name_of, parameters, signal_of};
+use super::parameters::{Parameter, name_of, parameters, signal_of, vehicle_number};
 use super::transport::{Responder, Transport};
 use crate::source::can_frame::TimedFrame;
+use crate::source::vehicle_number::number_of;
 use embedded_can::{Frame, Id};
 use estimator_core::signal::Pgn;
 use estimator_core::{Decoder, Instant, Reading, Signal};
@@ -47,6 +48,7 @@ pub struct ObdAnswers {
     broadcast: Option<Decoder>,
     counts: BTreeMap<u8, ObdCount>,
     unreadable: u64,
+    vehicle_number: Option<String>,
 }
 
 impl ObdAnswers {
@@ -67,6 +69,10 @@ impl ObdAnswers {
         let Some(answer) = self.transport.take(responder, timed.frame.data()) else {
             return;
         };
+        if let Some(number) = vehicle_number(&answer) {
+            self.vehicle_number = number_of(number);
+            return;
+        }
         let Some(found) = parameters(&answer) else {
             self.unreadable += 1;
             return;
@@ -138,6 +144,12 @@ impl ObdAnswers {
             ..count.clone()
         });
         named.collect()
+    }
+
+    /// Returns the vehicle identification number, if a controller was asked for it.
+    #[must_use]
+    pub fn vehicle_number(&self) -> Option<&str> {
+        self.vehicle_number.as_deref()
     }
 
     /// Returns the number of answers that are of another service, or that cannot be taken apart.

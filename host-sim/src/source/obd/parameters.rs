@@ -57,6 +57,13 @@ pub(super) fn parameters(answer: &[u8]) -> Option<Vec<Parameter<'_>>> {
     (!found.is_empty()).then_some(found)
 }
 
+/// Returns what an answer has in place of a vehicle identification number (VIN): information type 2
+/// of service 09, or identifiers F802 and F190 of service 22 (ISO 14229-1).
+pub(super) fn vehicle_number(answer: &[u8]) -> Option<&[u8]> {
+    let heads = [&[0x49, 2, 1][..], &[0x62, 0xf8, 2], &[0x62, 0xf1, 0x90]];
+    heads.iter().find_map(|head| answer.strip_prefix(*head))
+}
+
 /// Returns the name of a parameter that tells of motion, forces or air.
 pub(super) const fn name_of(number: u8) -> Option<&'static str> {
     Some(match number {

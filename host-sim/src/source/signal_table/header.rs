@@ -6,9 +6,9 @@ use super::time_column::{TIME, TimeUnit};
 use crate::error::{Error, Result};
 use crate::files::nearest::nearest_in_words;
 use crate::source::own_signals::units;
+use crate::source::row_order::RowOrder;
 use crate::source::signal_range::unit_of_column;
-use crate::source::table_clock::{NoTime, TableClock};
-use estimator_core::{Instant, Signal};
+use estimator_core::Signal;
 use std::path::Path;
 
 /// Names of a time without its unit, the most telling first.
@@ -22,6 +22,17 @@ const ALIASES: [(&str, Signal); 6] = [
     ("long", Signal::Longitude),
     ("longitude", Signal::Longitude),
 ];
+
+/// Beyond this many seconds `f64` does not resolve microseconds well.
+const LATEST_S: f64 = 4e9;
+
+/// Why a row has no time.
+pub(in super::super) enum NoTime {
+    /// It is missing, or beyond all measurements.
+    Wrong,
+    /// Neither the header nor the value shows its unit.
+    NoUnit,
+}
 
 /// A column of a signal, and how its numbers become ours.
 #[derive(Clone, Copy, Debug)]
@@ -65,28 +76,29 @@ impl HeaderColumns {
     }
 
     /// Returns what was mended of the times, and what was taken for ours, in words.
-    pub(in super::super) fn mended(&self, clock: &TableClock) -> Vec<String> {
+    pub(in super::super) fn mended(&self, order: &RowOrder) -> Vec<String> {
         let converted = self.converted.iter().cloned();
-        clock.mended().into_iter().chain(converted).collect()
+        order.mended().chain(converted).collect()
     }
 }
 
 impl TimeColumn {
-    /// Returns the time of a row, and the unit that its cell shows where the header has none.
+    /// Returns the time of a row, µs. Where the header has no unit, the first cell shows it.
     ///
     /// # Errors
     /// Returns why it has none.
-    pub(in super::super) fn read(
+    pub(in super::super) fn micros(
         &mut self,
-        clock: &mut TableClock,
         text: &str,
         number: Option<f64>,
-    ) -> std::result::Result<Instant, NoTime> {
+    ) -> std::result::Result<i64, NoTime> {
         let unit = self.unit.or_else(|| TimeUnit::of_value(text, number));
         let unit = unit.ok_or(NoTime::NoUnit)?;
-        let time = clock.time(unit.seconds(text, number))?;
+        let seconds = unit.seconds(text, number);
+        let seconds = seconds.filter(|seconds| seconds.abs() < LATEST_S);
+        let micros = (seconds.ok_or(NoTime::Wrong)? * 1e6).round() as i64;
         self.unit = Some(unit);
-        Ok(time)
+        Ok(micros)
     }
 }
 

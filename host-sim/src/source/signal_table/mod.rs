@@ -17,9 +17,10 @@ mod rows;
 mod time_column;
 mod writer;
 
+pub use super::row_order::SignalRow;
 pub(super) use cell_value::{checked, is_missing, switch};
 pub use columns_file::ColumnsFile;
-pub(super) use header::{HeaderColumns, Problem, SignalColumn, columns_of, is_header};
+pub(super) use header::{HeaderColumns, NoTime, Problem, SignalColumn, columns_of, is_header};
 pub use rows::{ColumnName, TableRows};
 pub use time_column::{TIME, TimeUnit};
 pub use writer::write;
@@ -27,31 +28,28 @@ pub use writer::write;
 use super::damage::{Damage, DamageCheck};
 use super::log_file::LogFile;
 use super::read_options::ReadOptions;
+use super::row_order::RowOrder;
 use super::signal_range::unit_of_column;
-use super::table_clock::{EXPECTED, NoTime, TableClock};
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
-use estimator_core::{Instant, Reading, Signal, Value};
+use estimator_core::{Reading, Signal, Value};
 use std::path::Path;
 
-/// Reader of tables, row by row; its memory does not depend on the length of the table.
+/// What is expected of a time, ...
+pub(super) const TIME_EXPECTED: &str = "seconds from -4e9 to 4e9";
+/// ... and of all times.
+pub(super) const IN_ORDER: &str = "the rows of one drive; cut the table where another begins";
+
+/// Reader of tables, row by row; its memory does not depend on the length of a table that is long.
 pub struct SignalTableReader {
     rows: TableRows,
     fields: usize,
     header: HeaderColumns,
     readings: Vec<Reading>,
-    clock: TableClock,
+    order: RowOrder,
+    is_over: bool,
     good_rows: u64,
     damage: DamageCheck,
-}
-
-/// One row of a table.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SignalRow<'a> {
-    /// `time_s`, rounded to microseconds.
-    pub time: Instant,
-    /// The values that are not missing, in the order of [`Signal`]; may be empty.
-    pub readings: &'a [Reading],
 }
 
 impl SignalTableReader {
@@ -93,7 +91,8 @@ impl SignalTableReader {
             rows,
             header,
             readings: Vec::new(),
-            clock: TableClock::default(),
+            order: RowOrder::new(),
+            is_over: false,
             good_rows: 0,
             damage: DamageCheck::new(options.strict),
         })
@@ -110,31 +109,46 @@ impl SignalTableReader {
         self.header.signals()
     }
 
-    /// Reads the next row; `None` at the end. Rows with a value that is not a number, with too few or
-    /// too many fields, or before the row above are left out.
+    /// Reads the next row; `None` at the end. Rows come in the order of time. Those with a value that is
+    /// not a number, with too few or too many fields, or with a time that is over are left out.
     ///
     /// # Errors
     /// Returns an error, with file, line, column and expected value, for a table with too much
     /// damage or without rows.
     pub fn next_row(&mut self) -> Result<Option<SignalRow<'_>>> {
-        while self.rows.advance()? {
-            match self.parse() {
-                Ok(time) => {
-                    self.good_rows += 1;
-                    self.clock.take(time);
-                    return Ok(Some(SignalRow {
-                        time,
-                        readings: &self.readings,
-                    }));
+        while !self.order.advance() {
+            if self.is_over {
+                return Ok(None);
+            }
+            let left_out = if self.rows.advance()? {
+                match self.parse() {
+                    Ok(micros) => {
+                        self.good_rows += 1;
+                        self.order.put(self.rows.line(), micros, &self.readings)
+                    }
+                    Err(problem) => {
+                        self.leave_out(problem)?;
+                        continue;
+                    }
                 }
-                Err(problem) => self.leave_out(problem)?,
+            } else {
+                self.is_over = true;
+                self.order.end()
+            };
+            for (line, problem) in left_out {
+                self.good_rows -= 1;
+                let problem = Error::line(self.file().path(), line, problem, IN_ORDER);
+                self.damage.line(problem, self.good_rows)?;
+            }
+            if self.is_over {
+                self.end()?;
             }
         }
-        self.end().map(|()| None)
+        Ok(Some(self.order.row()))
     }
 
-    /// Reads the values of the record.
-    fn parse(&mut self) -> Result<Instant> {
+    /// Reads the values of the record. Returns its time, µs.
+    fn parse(&mut self) -> Result<i64> {
         let fields = self.rows.record().len();
         if fields != self.fields {
             return Err(self.error(
@@ -142,7 +156,7 @@ impl SignalTableReader {
                 &format!("{}, as many as the header has", self.fields),
             ));
         }
-        let time = self.time()?;
+        let micros = self.micros()?;
         self.readings.clear();
         for k in 0..self.header.columns.len() {
             let column = self.header.columns[k];
@@ -151,7 +165,7 @@ impl SignalTableReader {
                 self.readings.push(Reading { signal, value });
             }
         }
-        Ok(time)
+        Ok(micros)
     }
 
     /// Leaves out a row. The last one of a table without a line end is cut off.
@@ -186,7 +200,7 @@ impl SignalTableReader {
     /// Returns what was mended of the times, and what was taken for ours, in words.
     #[must_use]
     pub fn mended(&self) -> Vec<String> {
-        self.header.mended(&self.clock)
+        self.header.mended(&self.order)
     }
 
     /// Returns what was left out so far.
@@ -201,20 +215,19 @@ impl SignalTableReader {
         self.rows.file()
     }
 
-    fn time(&mut self) -> Result<Instant> {
+    fn micros(&mut self) -> Result<i64> {
         let index = self.header.time.index;
         let number = self.rows.number(index);
         let cell = self.rows.record().get(index).unwrap_or_default();
         let text = str::from_utf8(cell).unwrap_or_default();
-        let time = self.header.time.read(&mut self.clock, text, number);
+        let micros = self.header.time.micros(text, number);
         let wrong = |expected| self.wrong_value(index, &self.header.time.name, expected);
-        time.map_err(|problem| match problem {
+        micros.map_err(|problem| match problem {
             NoTime::NoUnit => wrong(
                 "a date, a time since 1970, or a unit of the time: in the header (time_s, or time \
                  [ms]), or in --columns",
             ),
-            NoTime::Wrong => wrong(EXPECTED),
-            NoTime::Backwards(problem) => self.error(problem, "times that do not decrease"),
+            NoTime::Wrong => wrong(TIME_EXPECTED),
         })
     }
 

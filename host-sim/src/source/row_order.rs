@@ -1,0 +1,257 @@
+//! The rows of a signal table in the order of time, whether it is CSV or Parquet.
+
+use super::frame_log::{Seconds, moved_to_zero};
+use super::time_order::{TimeOrder, Timed};
+use estimator_core::{Instant, Reading, Signal};
+use std::collections::BTreeMap;
+
+/// Most rows that wait for earlier ones: some tens of MiB, and hours of a drive.
+const MOST_WAITING: usize = (1 << 16) - 1;
+/// Times that are apart by less than this are of one part, µs: rows may be shuffled within it.
+const PART_US: i64 = 10_000_000;
+/// From so far on within the times of an earlier part, a row is wrong, or another drive begins, µs.
+const WITHIN_US: i64 = 1_000_000;
+
+/// One row of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SignalRow<'a> {
+    /// `time_s`, rounded to microseconds.
+    pub time: Instant,
+    /// The values that are not missing, in the order of [`Signal`]; may be empty.
+    pub readings: &'a [Reading],
+}
+
+/// A row that waits.
+#[derive(Debug, Default)]
+struct Row {
+    line: u64,
+    micros: i64,
+    readings: Vec<Reading>,
+}
+
+impl Timed for Row {
+    fn micros(&self) -> i64 {
+        self.micros
+    }
+}
+
+/// A row that is left out: its line, and the problem in words.
+pub(super) type LeftOut = (u64, String);
+
+/// Times of the rows with one set of signals. A table may begin with its newest row, or have its
+/// parts in any order. But where times run over those of another part, the clock was set back.
+#[derive(Debug)]
+struct Parts {
+    first_us: i64,
+    last_us: i64,
+    /// First and last times of the parts before.
+    before: BTreeMap<i64, i64>,
+    /// A row that is far from the one above. The next one shows whether a part begins there.
+    doubtful: Option<Row>,
+}
+
+impl Parts {
+    const fn from(micros: i64) -> Self {
+        Self {
+            first_us: micros,
+            last_us: micros,
+            before: BTreeMap::new(),
+            doubtful: None,
+        }
+    }
+
+    /// Returns whether a time is of the part of the row above.
+    const fn is_near(&self, micros: i64) -> bool {
+        (micros - self.last_us).abs() <= PART_US
+    }
+
+    /// Returns whether a span of time runs over one of the parts before.
+    fn runs_over(&self, first_us: i64, last_us: i64) -> bool {
+        let mut begun = self.before.range(..last_us - WITHIN_US);
+        begun
+            .next_back()
+            .is_some_and(|(_, last)| *last > first_us + WITHIN_US)
+    }
+
+    /// Takes a time of the part of the row above. Returns false if it runs over another part.
+    fn goes_on(&mut self, micros: i64) -> bool {
+        let first_us = self.first_us.min(micros);
+        let last_us = self.last_us.max(micros);
+        let is_right = !self.runs_over(first_us, last_us);
+        if is_right {
+            (self.first_us, self.last_us) = (first_us, last_us);
+        }
+        is_right
+    }
+
+    /// Begins a part.
+    fn begin(&mut self, micros: i64) {
+        self.before.insert(self.first_us, self.last_us);
+        (self.first_us, self.last_us) = (micros, micros);
+    }
+
+    /// Returns whether a time is within a part.
+    fn is_within(&self, micros: i64) -> bool {
+        let is_of_own = (self.first_us + WITHIN_US..self.last_us - WITHIN_US).contains(&micros);
+        is_of_own || self.runs_over(micros, micros)
+    }
+
+    /// Returns whether the row above, which was far from those before it, is a wrong one: this one
+    /// is nearer to them.
+    const fn is_wrong(&self, doubtful_us: i64, micros: i64) -> bool {
+        (micros - self.last_us).abs() < (micros - doubtful_us).abs()
+    }
+}
+
+/// Rows that may not be in order yet. Where the first time is negative, all are moved to begin with
+/// zero.
+pub(super) struct RowOrder {
+    order: TimeOrder<Row>,
+    /// Rows of different signals are apart in some tables.
+    parts: BTreeMap<Vec<Signal>, Parts>,
+    newest_us: i64,
+    late: u64,
+    latest_us: i64,
+    /// Time of the first row that was let go, µs.
+    first_us: Option<i64>,
+    /// The row that was let go last.
+    row: Row,
+    /// Readings whose memory is used again.
+    spare: Vec<Vec<Reading>>,
+    /// The signals of a row.
+    signals: Vec<Signal>,
+}
+
+impl RowOrder {
+    pub(super) fn new() -> Self {
+        Self {
+            order: TimeOrder::new(MOST_WAITING),
+            parts: BTreeMap::new(),
+            newest_us: i64::MIN,
+            late: 0,
+            latest_us: 0,
+            first_us: None,
+            row: Row::default(),
+            spare: Vec::new(),
+            signals: Vec::new(),
+        }
+    }
+
+    /// Takes a row. Returns the rows that are now known to be wrong, or too late.
+    pub(super) fn put(&mut self, line: u64, micros: i64, readings: &[Reading]) -> Vec<LeftOut> {
+        let mut left_out = Vec::new();
+        let mut own = self.spare.pop().unwrap_or_default();
+        own.extend_from_slice(readings);
+        let row = Row {
+            line,
+            micros,
+            readings: own,
+        };
+        self.signals.clear();
+        let signals = readings.iter().map(|reading| reading.signal);
+        self.signals.extend(signals);
+        let Some(parts) = self.parts.get_mut(&self.signals) else {
+            let signals = self.signals.clone();
+            self.parts.insert(signals, Parts::from(micros));
+            self.take(row, &mut left_out);
+            return left_out;
+        };
+        let doubtful = parts.doubtful.take();
+        let (doubtful, wrong) = match doubtful {
+            Some(doubtful) if parts.is_wrong(doubtful.micros, micros) => (None, Some(doubtful)),
+            other => (other, None),
+        };
+        if let Some(doubtful) = &doubtful {
+            parts.begin(doubtful.micros);
+        }
+        let is_near = parts.is_near(micros);
+        let last_us = parts.last_us;
+        let mut next = None;
+        let mut over = None;
+        if is_near && parts.goes_on(micros) {
+            next = Some(row);
+        } else if is_near || parts.is_within(micros) {
+            over = Some(row);
+        } else {
+            parts.doubtful = Some(row);
+        }
+        let wrong = wrong.map(|row| (row.line, away(last_us, row.micros)));
+        let over = over.map(|row| {
+            let time = Seconds(row.micros);
+            let problem = format!("time_s comes again: {time} is within the times of earlier rows");
+            (row.line, problem)
+        });
+        left_out.extend(wrong.into_iter().chain(over));
+        for row in doubtful.into_iter().chain(next) {
+            self.take(row, &mut left_out);
+        }
+        left_out
+    }
+
+    fn take(&mut self, row: Row, left_out: &mut Vec<LeftOut>) {
+        let Row { line, micros, .. } = row;
+        if !self.order.put(row) {
+            let problem = format!("{} stands too far behind later times", Seconds(micros));
+            left_out.push((line, problem));
+            return;
+        }
+        if micros < self.newest_us {
+            self.late += 1;
+            self.latest_us = self.latest_us.max(self.newest_us - micros);
+        }
+        self.newest_us = self.newest_us.max(micros);
+    }
+
+    /// Lets all rows go: the table is over. Returns those that are too late.
+    pub(super) fn end(&mut self) -> Vec<LeftOut> {
+        let mut left_out = Vec::new();
+        let doubtful = self.parts.values_mut();
+        let doubtful: Vec<Row> = doubtful.filter_map(|of| of.doubtful.take()).collect();
+        for row in doubtful {
+            self.take(row, &mut left_out);
+        }
+        self.order.end();
+        left_out
+    }
+
+    /// Goes to the next row. Returns false if an earlier one may still come, and at the end.
+    pub(super) fn advance(&mut self) -> bool {
+        let Some(row) = self.order.next() else {
+            return false;
+        };
+        self.first_us.get_or_insert(row.micros);
+        let mut used = std::mem::replace(&mut self.row, row).readings;
+        used.clear();
+        self.spare.push(used);
+        true
+    }
+
+    /// Returns the row.
+    pub(super) fn row(&self) -> SignalRow<'_> {
+        let micros = self.row.micros - self.first_us.unwrap_or(0).min(0);
+        SignalRow {
+            time: Instant::from_micros(u64::try_from(micros).unwrap_or(0)),
+            readings: &self.row.readings,
+        }
+    }
+
+    /// Returns what was done to the times, in words.
+    pub(super) fn mended(&self) -> impl Iterator<Item = String> {
+        let late = (self.late > 0).then(|| {
+            let (late, by) = (self.late, self.latest_us as f64 / 1e6);
+            format!("{late} rows stand behind later ones, by up to {by:.1} s; put in order of time")
+        });
+        late.into_iter().chain(moved_to_zero(self.first_us))
+    }
+}
+
+/// Says that a time is far from those around it.
+fn away(last_us: i64, micros: i64) -> String {
+    let (last, time) = (Seconds(last_us), Seconds(micros));
+    let way = if micros < last_us {
+        "runs backwards"
+    } else {
+        "jumps ahead"
+    };
+    format!("time_s {way} for one row, from {last} to {time}")
+}
