@@ -80,7 +80,9 @@ impl Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     args.check_outputs(&report::FILES.map(|name| args.out.join(name)))?;
-    let (logs, holdout) = (LogFiles::of(&args.logs)?, LogFiles::of(&args.holdout)?);
+    let options = args.reading.read_options()?;
+    let logs = LogFiles::of(&args.logs, &options)?;
+    let holdout = LogFiles::of(&args.holdout, &options)?;
     let request = Request {
         vehicle: VehicleFile::read(&args.vehicle)?,
         logs: logs.paths.clone(),
@@ -89,7 +91,7 @@ pub fn run(args: &Args) -> Result<()> {
         terrain: args.terrain.clone(),
         accelerometer: args.reference_signal.is_some(),
         tuning: args.tuning.read()?,
-        options: args.reading.read_options()?,
+        options,
     };
     let wait = progress::spinner("reading and evaluating drives");
     let found = diagnose(&request)?;

@@ -169,7 +169,7 @@ pub fn run(args: &Args) -> Result<()> {
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let tuning = args.tuning.read()?;
     let options = args.reading.read_options()?;
-    let log = &log_files::one(&args.log)?;
+    let log = &log_files::one(&args.log, &options)?;
     let started = Clock::now();
     let file = args.kept.as_deref();
     let last = match file {

@@ -47,14 +47,14 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let log = &log_files::one(&args.log)?;
+    let options = args.reading.read_options()?;
+    let log = &log_files::one(&args.log, &options)?;
     let inputs = [log, &*args.vehicle, &*args.map];
     let inputs = inputs.into_iter().chain(args.reading.files());
     outputs::check(inputs, [&*args.out])?;
     outputs::check_file(&args.out, &["csv"])?;
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let map = open_packed_map(&args.map)?;
-    let options = args.reading.read_options()?;
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let mut table = CsvTable::begin(&args.out)?;
     let (mut rows, mut seconds, mut newest_s) = (0_u64, 0_u64, None);

@@ -57,12 +57,13 @@ pub fn run(args: &Args) -> Result<()> {
     let inputs = inputs.chain(args.reading.files());
     outputs::check(inputs, [&*args.out])?;
     outputs::check_file(&args.out, &["toml"])?;
-    let logs = LogFiles::of(&args.logs)?;
+    let options = args.reading.read_options()?;
+    let logs = LogFiles::of(&args.logs, &options)?;
     let request = Request {
         logs: logs.paths.clone(),
         like,
         tuning: args.tuning.read()?,
-        options: args.reading.read_options()?,
+        options,
     };
     let found = shown(&request)?;
     let text = annotated::text(&found);

@@ -167,34 +167,34 @@ impl DbcInspection {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
+    let options = args.reading.inspect_options()?;
     if !args.log.is_dir() || args.json || args.out.is_some() {
-        return of_log(args, &log_files::one(&args.log)?);
+        return of_log(args, &log_files::one(&args.log, &options)?, &options);
     }
-    let logs = LogFiles::of(std::slice::from_ref(&args.log))?;
+    let logs = LogFiles::of(std::slice::from_ref(&args.log), &options)?;
     for (number, log) in logs.paths.iter().enumerate() {
         if number > 0 {
             print("\n")?;
         }
-        of_log(args, log)?;
+        of_log(args, log, &options)?;
     }
     Ok(())
 }
 
-fn of_log(args: &Args, log: &Path) -> Result<()> {
+fn of_log(args: &Args, log: &Path, options: &ReadOptions) -> Result<()> {
     if let Some(out) = &args.out {
         outputs::check_file(out, &["toml"])?;
         let inputs = args.reading.files().chain([log]);
         outputs::check(inputs, [out.as_path()])?;
     }
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
-    let options = args.reading.inspect_options()?;
     let dbc = args.reading.own().dbc().map(Dbc::read).transpose()?;
     if let (Some(dbc), None) = (&dbc, &options.signals) {
         log_notes::note_left_out(dbc.path(), dbc.left_out());
     }
     let mut counter = dbc.as_ref().map(DbcCounter::new);
     let progress = |read| bar.set_position(read);
-    let read = census_of(log, &options, counter.as_mut(), progress);
+    let read = census_of(log, options, counter.as_mut(), progress);
     bar.finish_and_clear();
     let (kind, census, report) = match read {
         Ok(read) => read,

@@ -3,8 +3,9 @@
 use crate::error::{Error, Result};
 use crate::files::folder::Folder;
 use crate::files::kind::{self, Kind};
-use crate::source::log::is_log;
+use crate::source::log::{is_log, is_mapped_table};
 use crate::source::log_file::is_standard_input;
+use crate::source::read_options::ReadOptions;
 use crate::terminal::print::{alert, note};
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -24,14 +25,14 @@ impl LogFiles {
     ///
     /// # Errors
     /// Returns an error if standard input or a pipe cannot be copied, and for a folder without logs.
-    pub fn of(logs: &[PathBuf]) -> Result<Self> {
+    pub fn of(logs: &[PathBuf], options: &ReadOptions) -> Result<Self> {
         let mut files = Self {
             paths: Vec::with_capacity(logs.len()),
             _copies: Vec::new(),
         };
         for log in logs {
             if log.is_dir() {
-                files.paths.extend(logs_below(log)?);
+                files.paths.extend(logs_below(log, options)?);
                 continue;
             }
             if log.is_file() || !is_standard_input(log) && !log.exists() {
@@ -52,11 +53,11 @@ impl LogFiles {
 ///
 /// # Errors
 /// Returns an error for a folder with no log, or with several.
-pub(super) fn one(log: &Path) -> Result<PathBuf> {
+pub(super) fn one(log: &Path, options: &ReadOptions) -> Result<PathBuf> {
     if !log.is_dir() {
         return Ok(log.to_owned());
     }
-    let found = logs_below(log)?;
+    let found = logs_below(log, options)?;
     match &*found {
         [only] => Ok(only.clone()),
         _ => {
@@ -69,9 +70,11 @@ pub(super) fn one(log: &Path) -> Result<PathBuf> {
     }
 }
 
-/// Returns the logs in a folder and its subfolders, by name.
-fn logs_below(folder: &Path) -> Result<Vec<PathBuf>> {
-    files_below(folder, "log", is_log)
+/// Returns the logs in a folder and its subfolders, by name, and the tables that a mapping fits.
+fn logs_below(folder: &Path, options: &ReadOptions) -> Result<Vec<PathBuf>> {
+    files_below(folder, "log", |path| {
+        is_log(path) || is_mapped_table(path, options)
+    })
 }
 
 /// Returns these files, and those of this kind in the folders among them, by name.

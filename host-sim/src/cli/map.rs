@@ -62,7 +62,8 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     check_folder(&args.out)?;
-    let logs = LogFiles::of(&args.logs)?;
+    let options = args.reading.read_options()?;
+    let logs = LogFiles::of(&args.logs, &options)?;
     let drives = drives(&logs.paths, args.join);
     check_outputs(args, &drives)?;
     let job = Job {
@@ -71,7 +72,7 @@ pub fn run(args: &Args) -> Result<()> {
         like: args.like.read()?,
         roads: args.road.as_deref().map(read_network).transpose()?,
         tuning: args.tuning.read()?,
-        options: args.reading.read_options()?,
+        options,
         keep_suspect: args.keep_suspect,
     };
     let wait = progress::spinner("reading the logs");

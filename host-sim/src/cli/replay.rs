@@ -64,8 +64,9 @@ fn pace(text: &str) -> std::result::Result<Pace, String> {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let path = &log_files::one(&args.log)?;
-    let mut log = match Log::open(path, &args.reading.read_options())? {
+    let options = args.reading.read_options();
+    let path = &log_files::one(&args.log, &options)?;
+    let mut log = match Log::open(path, &options)? {
         Log::Frames(log) => log,
         other => {
             let what = match other {

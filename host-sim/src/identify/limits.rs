@@ -14,7 +14,7 @@ const STEADY_M: f64 = 2_000.0;
 /// Returns an error for logs without a signal that an estimate needs.
 pub(super) fn check_signals(first: &Path, observation: &Observation) -> Result<()> {
     let has = |signals: &[Signal]| signals.iter().any(|signal| observation.has(*signal));
-    let missing = if !has(&[Signal::WheelSpeed, Signal::FrontAxleSpeed]) {
+    let missing = if !has(&[Signal::WheelSpeed]) {
         "no speed: expected wheel-based speed (CCVS1, PGN 65265; column wheel_speed_mps)"
     } else if !has(&[Signal::EngineTorque, Signal::TractionForce])
         && !observation.has_torque_in_nm()

@@ -38,6 +38,12 @@ const TOLD: [Signal; 3] = [
     Signal::EngineReferenceTorque,
     Signal::EngineInertia,
 ];
+/// Speeds of the vehicle, the one to prefer last.
+const SPEEDS: [Signal; 3] = [
+    Signal::TachographSpeed,
+    Signal::FrontAxleSpeed,
+    Signal::WheelSpeed,
+];
 /// Steps of a reported gear ratio: SPN 526 has 0.001.
 const RATIO_STEPS: f64 = 1000.0;
 
@@ -90,6 +96,8 @@ struct Newest {
     was_steady: bool,
     /// Wheel speeds of the last seconds, m/s.
     speeds: VecDeque<(Instant, f64)>,
+    /// The speed that counts: its place in the list.
+    speed: usize,
     /// The first source of each signal. Others are left out.
     sources: BTreeMap<Signal, u8>,
 }
@@ -199,6 +207,15 @@ impl Observation {
         let signal = match reading.signal {
             Signal::MotorSpeed => Signal::EngineSpeed,
             signal => signal,
+        };
+        let place = SPEEDS.iter().position(|speed| *speed == signal);
+        let signal = match place {
+            Some(place) if place < newest.speed => return,
+            Some(place) if reading.value.is_available() => {
+                newest.speed = place;
+                Signal::WheelSpeed
+            }
+            _ => signal,
         };
         if !reading.value.is_available() {
             newest.values.remove(&signal);

@@ -60,6 +60,8 @@ const TRACTION: &[Signal] = &[
     Signal::MotorTorque,
     Signal::TractionForce,
 ];
+const TURNS: &[Signal] = &[Signal::EngineSpeed, Signal::MotorSpeed];
+const REFERENCE: &[Signal] = &[Signal::EngineReferenceTorque];
 const GEAR: &[Signal] = &[Signal::GearRatio, Signal::CurrentGear];
 const ALTITUDE: &[Signal] = &[Signal::Altitude];
 const POSITION: &[Signal] = &[Signal::Latitude, Signal::Longitude];
@@ -89,7 +91,19 @@ const LIST: &[(&str, Importance, &[Signal], &str)] = &[
         "GNSS position",
         Importance::Optional,
         POSITION,
-        "cells have no place on the globe: the run cannot be fused into a map",
+        "cells have no place on the globe: `map` has nothing to fuse",
+    ),
+    (
+        "engine or motor speed",
+        Importance::Optional,
+        TURNS,
+        "`map` and `identify` find no gears: give `map` the vehicle file",
+    ),
+    (
+        "engine reference torque",
+        Importance::Optional,
+        REFERENCE,
+        "`identify` cannot tell torque in per cent from mass: their ratio alone, which the grade needs",
     ),
     (
         "gear or gear ratio",

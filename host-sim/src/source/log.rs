@@ -143,6 +143,15 @@ pub fn is_foreign_table(path: &Path) -> bool {
     is_text && format_of(head).is_none() && foreign(head).is_none()
 }
 
+/// Returns true for a table that the mapping of columns fits, if there is one.
+#[must_use]
+pub fn is_mapped_table(path: &Path, options: &ReadOptions) -> bool {
+    let is_table = |log: &Log| matches!(log, Log::Table(_) | Log::Parquet(_));
+    options.columns.is_some()
+        && is_foreign_table(path)
+        && Log::open(path, options).as_ref().is_ok_and(is_table)
+}
+
 /// Returns the error for a mapping that names channels of a log without any.
 fn without_channels(path: &Path, kind: LogKind) -> Error {
     let path = on_one_line(path);

@@ -135,3 +135,18 @@ pub fn without_ratio(folder: &Path, from: &str, to: &str) {
     assert_ne!(lines, text);
     fs::write(folder.join(to), lines).unwrap();
 }
+
+/// Makes the wheel speed (SPN 84 of CCVS1) the tachograph's (SPN 1624 of TCO1).
+pub fn with_tachograph(folder: &Path, from: &str, to: &str) {
+    let text = fs::read_to_string(folder.join(from)).unwrap();
+    let line = |line: &str| match line.split_once("FEF1") {
+        Some((start, rest)) => {
+            let (source, data) = rest.split_once('#').unwrap();
+            format!("{start}FE6C{source}#FFFFFFFFFFFF{}\n", &data[2..6])
+        }
+        None => format!("{line}\n"),
+    };
+    let lines: String = text.lines().map(line).collect();
+    assert_ne!(lines, text);
+    fs::write(folder.join(to), lines).unwrap();
+}

@@ -1,6 +1,8 @@
 //! The vehicle files that logs ask for, and how good estimates with them are.
 
-use super::trucks::{HEAVY, LIGHT, QUICK, Truck, simulate, without, without_ratio};
+use super::trucks::{
+    HEAVY, LIGHT, QUICK, Truck, simulate, with_tachograph, without, without_ratio,
+};
 use embedded_can::{Frame, Id};
 use estimator_core::Traction;
 use host_sim::files::run;
@@ -180,6 +182,24 @@ fn each_value_of_the_file_has_a_comment_that_tells_its_origin() {
     assert!(
         keys.contains(&"vehicle.drag_area_m2") && keys.contains(&"powertrain.final_drive_ratio")
     );
+}
+
+#[test]
+fn the_speed_of_the_tachograph_is_enough() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&HEAVY], 20_000.0, false);
+    with_tachograph(path, "heavy.log", "tachograph.log");
+    let of = |log: &str| identify(path, "found.toml", &[log]);
+    let (wheels, tachograph) = (of("heavy.log"), of("tachograph.log"));
+    for key in ["vehicle.mass_kg", "vehicle.drag_area_m2"] {
+        let [expected, found] =
+            [&wheels, &tachograph].map(|values| value(values, key)["value"].as_f64().unwrap());
+        assert!(
+            (found / expected - 1.0).abs() < 0.05,
+            "{key}: {found}, {expected}"
+        );
+    }
 }
 
 #[test]

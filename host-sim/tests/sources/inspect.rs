@@ -440,3 +440,35 @@ fn a_folder_means_the_logs_in_it() {
     run(&["inspect", "logs"]).failure().code(1);
     run(&["map", "--out", "out", "logs"]).failure().code(1);
 }
+
+#[test]
+fn a_mapping_makes_the_tables_of_a_folder_logs() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::create_dir(at.join("tables")).unwrap();
+    let table = "when,kmh\n0,36\n1,37\n2,38\n";
+    for name in ["a.csv", "b.csv"] {
+        std::fs::write(at.join("tables").join(name), table).unwrap();
+    }
+    std::fs::write(at.join("tables/notes.csv"), "day,who\n1,me\n").unwrap();
+    let mapping = "[columns.time_s]\ncolumn = \"when\"\nunit = \"s\"\n\
+                   [columns.wheel_speed_mps]\ncolumn = \"kmh\"\nunit = \"km/h\"\n";
+    std::fs::write(at.join("columns.toml"), mapping).unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = program();
+        command.current_dir(at).arg("inspect").args(arguments);
+        let output = command.assert().get_output().clone();
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        (text(output.stdout), text(output.stderr))
+    };
+    let (told, notes) = run(&["--columns", "columns.toml", "tables"]);
+    for words in ["a.csv: signal table, 3 rows", "b.csv: signal table, 3 rows"] {
+        assert!(told.contains(words), "{words}: {told}{notes}");
+    }
+    assert!(
+        notes.contains("1 skipped: no log") && notes.contains("notes.csv"),
+        "{notes}"
+    );
+    let (_, notes) = run(&["tables"]);
+    assert!(notes.contains("no log in this folder"), "{notes}");
+}
