@@ -137,7 +137,7 @@ impl Args {
     fn stage_others(&self, run: &mut LongRun) -> Result<Vec<Staged>> {
         let mut staged = Vec::from_iter(self.memory.stage(run)?);
         if let Some(path) = &self.page {
-            staged.push(run_page::stage(path, &self.log, &mut run.rows)?);
+            staged.push(run_page::stage(path, &self.log, run)?);
         }
         if let Some((path, innovations)) = self.innovations.as_ref().zip(run.innovations.as_mut()) {
             staged.push(innovations.stage(path)?);

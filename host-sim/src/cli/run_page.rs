@@ -4,8 +4,11 @@ use crate::error::{Error, Result};
 use crate::files::output::Staged;
 use crate::files::run::RunRows;
 use crate::map::{GRID_M, MapRow, WayRows};
+use crate::recorder::{LongRun, RunSummary};
 use crate::report::map_page;
 use crate::report::on_map::{OnMapCell, on_map_section};
+use crate::report::page::Note;
+use crate::report::verdict::verdict_section;
 use std::path::Path;
 
 /// Writes the page of a run of this log to a file that appears when it is committed. Cells without a
@@ -13,11 +16,12 @@ use std::path::Path;
 ///
 /// # Errors
 /// Returns the error of the file system, or an error for a run without positions.
-pub(super) fn stage(path: &Path, log: &Path, run: &mut dyn RunRows) -> Result<Staged> {
+pub(super) fn stage(path: &Path, log: &Path, run: &mut LongRun) -> Result<Staged> {
+    let summary = RunSummary::new(run)?;
     let mut rows: Vec<MapRow> = Vec::new();
     let mut on_map: Vec<OnMapCell> = Vec::new();
     let mut cells = 0;
-    run.each(&mut |row| {
+    run.rows.each(&mut |row| {
         cells += 1;
         on_map.extend(OnMapCell::of(row));
         let position = row.latitude_deg.zip(row.longitude_deg);
@@ -40,6 +44,12 @@ pub(super) fn stage(path: &Path, log: &Path, run: &mut dyn RunRows) -> Result<St
         return Err(Error::content(path, problem));
     }
     let mut page = map_page::page(log, &[WayRows { name: None, rows }]);
+    let name = log.file_stem().unwrap_or_default().to_string_lossy();
+    let first = verdict_section(&[(&*name, &summary)]);
+    let first = summary.warnings.iter().fold(first, |section, warning| {
+        section.note(Note::warning(&warning.message, warning.advice))
+    });
+    page.sections.insert(0, first);
     if !on_map.is_empty() {
         page = page.with(on_map_section(&on_map, cells));
     }

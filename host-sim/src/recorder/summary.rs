@@ -46,9 +46,11 @@ pub struct RunSummary {
     pub mass_sigma_kg: Option<f64>,
     /// Whether the signals agree.
     pub verdict: String,
-    suspect_km: f64,
+    /// Way of the cells that are marked as suspect, km.
+    pub suspect_km: f64,
     disagreements: Vec<DisagreementStretch>,
-    warnings: Vec<Warning>,
+    /// What is not plausible about the input.
+    pub warnings: Vec<Warning>,
     damage: Damage,
     #[serde(skip_serializing_if = "Option::is_none")]
     map: Option<MapSummary>,
@@ -197,6 +199,8 @@ impl RunSummary {
         let mut line = |name: &str, value: String, unit: &str| {
             rows.push(vec![name.to_owned(), unit.to_owned(), value]);
         };
+        line("verdict", self.verdict.clone(), "");
+        line("suspect", format!("{:.2}", self.suspect_km), "km");
         line("distance", format!("{:.3}", self.distance_km), "km");
         if let Some(start) = &self.start_utc {
             line("start", start.clone(), "UTC");
@@ -253,8 +257,6 @@ impl RunSummary {
                 "kg",
             );
         }
-        line("verdict", self.verdict.clone(), "");
-        line("suspect", format!("{:.2}", self.suspect_km), "km");
         for DisagreementStretch { what, from_m, to_m } in &self.disagreements {
             let stretch = format!("{:.2} to {:.2}", from_m * 1e-3, to_m * 1e-3);
             line(what, stretch, "km");

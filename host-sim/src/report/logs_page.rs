@@ -3,6 +3,7 @@
 use super::map_page;
 use super::page::{Figure, Note, Page, Section, Table};
 use super::plot::{Plot, Series, colour};
+use super::verdict::verdict_section;
 use crate::error::on_one_line;
 use crate::files::run::RunRow;
 use crate::identify::annotated::comment;
@@ -76,9 +77,8 @@ impl LogRun {
 pub fn logs_page(map: &LogsMap) -> Page {
     let mut page = map_page::page(Path::new("map"), map.ways);
     page.title = format!("Grade map from logs of a vehicle like {}", map.vehicle);
-    page.with(runs_section(map))
-        .with(vehicle_section(map))
-        .with(input_section(map))
+    page.sections.insert(0, first_section(map));
+    page.with(runs_section(map)).with(vehicle_section(map))
 }
 
 fn runs_section(map: &LogsMap) -> Section {
@@ -154,8 +154,14 @@ fn vehicle_section(map: &LogsMap) -> Section {
     unknown.table(table)
 }
 
-fn input_section(map: &LogsMap) -> Section {
-    let mut section = Section::new("Input");
+/// Returns the verdict, and what is wrong with the input.
+fn first_section(map: &LogsMap) -> Section {
+    let runs: Vec<(&str, &RunSummary)> = map
+        .runs
+        .iter()
+        .map(|run| (run.name.as_str(), &run.summary))
+        .collect();
+    let mut section = verdict_section(&runs);
     for problem in map.left_out {
         section = section.note(Note::warning(
             format!("Left out: {problem}."),
@@ -176,9 +182,6 @@ fn input_section(map: &LogsMap) -> Section {
             let message = format!("{}: {}", run.name, warning.message);
             section = section.note(Note::warning(message, warning.advice));
         }
-    }
-    if section.notes.is_empty() {
-        section = section.paragraph("Nothing was wrong with the input.");
     }
     section
 }

@@ -68,3 +68,4 @@ pub mod section;
 mod svg;
 pub mod table;
 pub mod thin;
+pub mod verdict;

@@ -48,12 +48,13 @@ fn logs_alone_give_a_map_a_vehicle_and_a_page() {
     assert!(rmse < 0.1, "{rmse}");
     let page = fs::read_to_string(path.join("out/index.html")).unwrap();
     for words in [
+        "Verdict",
+        "Consistent: the signals agree",
         "Plan",
         "Along the road",
         "Runs",
         "Vehicle",
         "assumed ±",
-        "Input",
     ] {
         assert!(page.contains(words), "{words}");
     }
