@@ -244,10 +244,10 @@ fn geo_tiff_is_found_by_its_place_and_read_between_its_posts() {
                 let expected = plane_m(row, column);
                 assert!((found - expected).abs() < 1e-4, "{found}, not {expected}");
             }
-            // Half a step beyond the last post.
-            let beyond = terrain.altitude_m(60.0 - (89.4 + centre) * 0.01, 17.5);
+            // A step beyond the last post.
+            let beyond = terrain.altitude_m(60.0 - (89.9 + centre) * 0.01, 17.5);
             assert!(beyond.unwrap().is_some());
-            let beyond = terrain.altitude_m(60.0 - (89.6 + centre) * 0.01, 17.5);
+            let beyond = terrain.altitude_m(60.0 - (90.1 + centre) * 0.01, 17.5);
             assert!(beyond.unwrap_err().to_string().contains("N59E017.hgt"));
         }
     }

@@ -20,8 +20,8 @@ pub(super) struct GridPlace {
     pub column_step_deg: f64,
     pub rows: usize,
     pub columns: usize,
-    /// Steps beyond the outer posts that belong to them: half a step where the grid of a neighbour
-    /// goes on after one, none where grids share their outer posts.
+    /// Steps beyond the outer posts that have their altitude: one where the grid of a neighbour goes
+    /// on after it, none where grids share their outer posts.
     pub reach_steps: f64,
 }
 

@@ -92,7 +92,7 @@ fn place(reader: &mut Reader) -> std::result::Result<GridPlace, String> {
         column_step_deg,
         rows: rows as usize,
         columns: columns as usize,
-        reach_steps: 0.5,
+        reach_steps: 1.0,
     };
     let is_there = place.north_deg.is_finite() && place.west_deg.is_finite();
     is_there
