@@ -116,15 +116,21 @@ pub fn of(path: &Path) -> Option<Kind> {
     if let Some(format) = format_of(&head) {
         return Some(Kind::FrameLog(format));
     }
-    let text = String::from_utf8_lossy(&head);
+    // A mark tells UTF-16.
+    let (text, ..) = encoding_rs::UTF_8.decode(&head);
     let text = text.trim_start_matches('\u{feff}').trim_start();
+    // Its name may have the prefix of a namespace.
+    let has_element = |name: &str| {
+        let names = [format!("<{name}"), format!(":{name}")];
+        text.starts_with('<') && names.iter().any(|name| text.contains(name))
+    };
     if text.starts_with("# roadgrade sums") {
         Some(Kind::Sums)
-    } else if text.starts_with('<') && text.contains("<osm") {
+    } else if has_element("osm") {
         Some(Kind::OsmXml)
-    } else if text.starts_with('<') && text.contains("<gpx") {
+    } else if has_element("gpx") {
         Some(Kind::Gpx)
-    } else if text.starts_with('<') && text.contains("<kml") {
+    } else if has_element("kml") {
         Some(Kind::Kml)
     } else if text.starts_with(['{', '\u{1e}']) {
         Some(Kind::Json)

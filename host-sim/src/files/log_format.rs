@@ -148,10 +148,10 @@ fn format_of_line(line: &[u8]) -> Option<LogFormat> {
         [b'(', b'0'..=b'9' | b'-', ..] => return Some(LogFormat::Candump),
         _ => {}
     }
-    if begins(b"time stamp,id,extended,") {
+    if is_header(line, &[b"time stamp", b"id", b"extended"]) {
         return Some(LogFormat::SavvyCan);
     }
-    if begins(b"timestamp,arbitration_id,") {
+    if is_header(line, &[b"timestamp", b"arbitration_id"]) {
         return Some(LogFormat::PythonCan);
     }
     if begins(b"timestampepoch") {
@@ -178,6 +178,18 @@ fn format_of_line(line: &[u8]) -> Option<LogFormat> {
     let number_end = line.iter().position(|byte| !byte.is_ascii_digit())?;
     let is_trc = number_end > 0 && line.get(number_end..)?.starts_with(b") ");
     is_trc.then_some(LogFormat::Trc)
+}
+
+/// Returns true for a header that begins with these names, whatever separates them. A table of numbered
+/// rows has an empty name before them.
+fn is_header(line: &[u8], names: &[&[u8]]) -> bool {
+    let mut found = line
+        .split(|byte| matches!(byte, b',' | b';' | b'\t'))
+        .map(|name| name.trim_ascii().trim_ascii())
+        .skip_while(|name| name.is_empty());
+    names
+        .iter()
+        .all(|name| found.next().is_some_and(|it| it.eq_ignore_ascii_case(name)))
 }
 
 /// Returns true for `Timestamp;Type;ID;Data`, with or without `Lost` and `Length`.

@@ -41,7 +41,7 @@ impl ObjectUrl {
         if !text.starts_with("s3://") {
             return Ok(None);
         }
-        let problem = "this program is built without object storage; expected a file";
+        let problem = "this program is built without object storage (--features full has it); expected a file";
         Err(Error::Storage {
             url: text.to_owned(),
             problem: problem.to_owned(),

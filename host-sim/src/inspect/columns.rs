@@ -111,6 +111,8 @@ fn signal_table(proposal: &Proposal, columns: &[ColumnCount]) -> String {
         .filter(|(unit, signal)| units::conversion(unit, *signal).is_some());
     let _ = match known {
         Some((unit, _)) => writeln!(table, "unit = {}", toml::Value::from(unit)),
+        // Without it, a unit that is not known is an error.
+        None if proposal.is_unit_unknown => writeln!(table, "# scale = {:?}", proposal.scale),
         None => writeln!(table, "scale = {:?}", proposal.scale),
     };
     table

@@ -368,7 +368,10 @@ pub fn to_toml(proposals: &[Proposal]) -> String {
         }
         let source = toml::Value::from(&*proposal.source);
         let _ = writeln!(table, "signal = {source}");
-        let _ = writeln!(table, "scale = {:?}", proposal.scale);
+        let scale = format!("scale = {:?}", proposal.scale);
+        // Without it, a unit that is not known is an error.
+        let mark = if proposal.is_unit_unknown { "# " } else { "" };
+        let _ = writeln!(table, "{mark}{scale}");
         if proposal.offset != 0.0 {
             let _ = writeln!(table, "offset = {:?}", proposal.offset);
         }

@@ -1,12 +1,13 @@
 //! Roads in the forms that other programs write: GPX, KML, OpenStreetMap XML, sequences of GeoJSON.
 
 use flate2::Compression;
-use flate2::write::{DeflateEncoder, GzEncoder};
+use flate2::write::GzEncoder;
 use host_sim::map::{Network, read_network};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
+use test_kit::archive::zip;
 use test_kit::command::folder;
 use test_kit::roads::hills;
 use test_kit::roads::network::{collection, way};
@@ -242,28 +243,6 @@ fn single_features_and_sequences_of_geojson_are_networks() {
     }
 }
 
-/// Returns a zip archive. Each entry is a name and its content, and says its size or leaves it to
-/// what stands behind the content.
-fn zip(entries: &[(&str, &[u8])], has_sizes: bool) -> Vec<u8> {
-    let mut archive = Vec::new();
-    for (name, content) in entries {
-        let mut packed = DeflateEncoder::new(Vec::new(), Compression::fast());
-        packed.write_all(content).unwrap();
-        let packed = packed.finish().unwrap();
-        let size = if has_sizes { packed.len() as u32 } else { 0 };
-        archive.extend(b"PK\x03\x04");
-        archive.extend([20, 0, if has_sizes { 0 } else { 8 }, 0, 8, 0]);
-        archive.extend([0; 8]);
-        archive.extend(size.to_le_bytes());
-        archive.extend((content.len() as u32).to_le_bytes());
-        archive.extend((name.len() as u16).to_le_bytes());
-        archive.extend([0; 2]);
-        archive.extend(name.as_bytes());
-        archive.extend(packed);
-    }
-    archive
-}
-
 #[test]
 fn packed_roads_are_read() {
     let folder = folder();
@@ -278,9 +257,16 @@ fn packed_roads_are_read() {
         line.join(" ")
     );
     let image = ("files/icon.png", &b"\x89PNG"[..]);
-    let first = zip(&[("doc.kml", kml.as_bytes()), image], false);
-    let second = zip(&[image, ("DOC.KML", kml.as_bytes())], true);
-    for (name, content) in [("road.kmz", first), ("second.kmz", second)] {
+    let of = |files: &[(&str, &[u8])], has_sizes| zip(files, true, has_sizes);
+    let kml = kml.as_bytes();
+    let mac = ("__MACOSX/._road.kml", &b"\x00\x05"[..]);
+    let style = ("styles/style.kml", &b"<kml/>"[..]);
+    for (name, content) in [
+        ("road.kmz", of(&[("doc.kml", kml), image], false)),
+        ("behind.kmz", of(&[image, ("DOC.KML", kml)], true)),
+        ("mac.zip", of(&[mac, ("road.kml", kml)], true)),
+        ("style.kmz", of(&[style, ("doc.kml", kml)], true)),
+    ] {
         assert_is_road(&ways(&network(at, name, content)), "road");
     }
     let geojson = collection(&[way("road", "no", &hills())]);
@@ -291,11 +277,119 @@ fn packed_roads_are_read() {
     assert_eq!(ways(&network(at, "road.geojson.gz", &gzip)), plain);
     for (name, content) in [
         ("cut.geojson.gz", gzip[..gzip.len() / 2].to_vec()),
-        ("images.kmz", zip(&[image], true)),
+        ("images.kmz", of(&[image], true)),
+        ("two.zip", of(&[("a.kml", kml), ("b.kml", kml)], true)),
     ] {
         std::fs::write(at.join(name), content).unwrap();
         let error = read_network(&at.join(name)).unwrap_err().to_string();
         assert!(error.contains(name), "{error}");
-        println!("{error}");
     }
+}
+
+/// Returns GPX with the hills as one track: what is before its element, its prefix, name and more points.
+fn gpx(declaration: &str, prefix: &str, name: &str, more: &str) -> String {
+    let points: String = positions()
+        .iter()
+        .map(|(longitude, latitude)| {
+            format!("<{prefix}trkpt lat=\"{latitude:.7}\" lon=\"{longitude:.7}\"/>{more}")
+        })
+        .collect();
+    format!(
+        "{declaration}<{prefix}gpx><{prefix}trk><{prefix}name>{name}</{prefix}name><{prefix}trkseg>\
+         {points}</{prefix}trkseg></{prefix}trk></{prefix}gpx>"
+    )
+}
+
+#[test]
+fn names_have_their_entities() {
+    let folder = folder();
+    let name = "A &amp; B &lt;1&gt; Stra&#223;e &#x41; &amp;amp; &unknown;";
+    let expected = "A & B <1> Straße A &amp; &unknown;";
+    let text = gpx("", "", name, "");
+    assert_is_road(&ways(&network(folder.path(), "road.gpx", text)), expected);
+    let line: Vec<String> = positions()
+        .iter()
+        .map(|(x, y)| format!("{x:.7},{y:.7}"))
+        .collect();
+    let kml = format!(
+        "<kml><Placemark><name>{name}</name><LineString><coordinates>{}</coordinates></LineString>\
+         </Placemark></kml>",
+        line.join(" ")
+    );
+    assert_is_road(&ways(&network(folder.path(), "road.kml", kml)), expected);
+}
+
+#[test]
+fn xml_of_any_encoding_and_prefix_is_read() {
+    let folder = folder();
+    let at = folder.path();
+    let latin = gpx(
+        "<?xml version='1.0' encoding='ISO-8859-1'?>",
+        "",
+        "Straße",
+        "",
+    );
+    let latin: Vec<u8> = latin.chars().map(|c| c as u8).collect();
+    let utf16 = gpx(
+        "<?xml version=\"1.0\" encoding=\"UTF-16\"?>",
+        "",
+        "Straße",
+        "",
+    );
+    let utf16: Vec<u8> = "\u{feff}"
+        .encode_utf16()
+        .chain(utf16.encode_utf16())
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let marked = gpx("\u{feff}<?xml version=\"1.0\"?>", "", "Straße", "");
+    let prefixed = gpx("<?xml version=\"1.0\"?>", "g:", "Straße", "");
+    for (name, content) in [
+        ("latin.gpx", latin),
+        ("utf16.gpx", utf16),
+        ("marked.gpx", marked.into_bytes()),
+        ("prefixed.gpx", prefixed.into_bytes()),
+    ] {
+        assert_is_road(&ways(&network(at, name, content)), "Straße");
+    }
+    // UTF-8 that is none is damage.
+    let wrong = gpx("<?xml version=\"1.0\" encoding=\"UTF-8\"?>", "", "road", "");
+    let wrong: Vec<u8> = wrong
+        .replace("road", "ro\u{df}d")
+        .chars()
+        .map(|c| c as u8)
+        .collect();
+    std::fs::write(at.join("wrong.gpx"), wrong).unwrap();
+    assert!(read_network(&at.join("wrong.gpx")).is_err());
+}
+
+#[test]
+fn a_point_that_is_no_place_costs_itself() {
+    let folder = folder();
+    for point in [
+        "<trkpt lat=\"0\" lon=\"0\"/>",
+        "<trkpt lat=\"\" lon=\"\"/>",
+        "<trkpt lat=\"95\" lon=\"8\"/>",
+    ] {
+        let text = gpx("", "", "road", point);
+        assert_is_road(&ways(&network(folder.path(), "road.gpx", text)), "road");
+    }
+}
+
+#[test]
+fn shapes_without_a_feature_and_collections_of_shapes_are_ways() {
+    let folder = folder();
+    let feature = way("road", "no", &hills());
+    let shape = &feature["geometry"];
+    let length = |name: &str, value: &Value| {
+        let network = network(folder.path(), name, value.to_string());
+        let lengths: Vec<usize> = ways(&network).into_iter().map(|way| way.1).collect();
+        lengths
+    };
+    let whole = length("feature.geojson", &feature);
+    assert_eq!(length("shape.geojson", shape), whole);
+    let point = json!({"type": "Point", "coordinates": [8.0, 47.0]});
+    let collection = json!({"type": "GeometryCollection", "geometries": [point, shape]});
+    let mut of_collection = feature.clone();
+    of_collection["geometry"] = collection;
+    assert_eq!(length("collection.geojson", &of_collection), whole);
 }

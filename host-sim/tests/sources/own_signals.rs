@@ -87,6 +87,40 @@ fn extended(id: u32, data: &[u8]) -> CanFrame {
 const SPEED: &str = "[signals.wheel_speed_mps]\nmessage = \"ESP_1\"\nsignal = \"VehicleSpeed\"\n";
 
 #[test]
+fn a_unit_is_known_or_told() {
+    let with = |unit: &str| DBC.replace("[0|655.35] \"km/h\"", &format!("[0|655.35] \"{unit}\""));
+    let frame = standard(416, &[0x1c, 0x20, 0, 0, 0, 0, 0, 0]);
+    for (unit, expected) in [
+        ("km/h", 20.0),
+        ("kmph", 20.0),
+        ("[km/h]", 20.0),
+        ("Unit_KiloMeterPerHour", 20.0),
+        ("knots", 72.0 * 1852.0 / 3600.0),
+        ("", 72.0),
+        ("-", 72.0),
+    ] {
+        let own = read(with(unit).as_bytes(), SPEED).expect(unit);
+        let found = readings(&own, &frame);
+        let [(Signal::WheelSpeed, Value::Real(mps))] = found[..] else {
+            panic!("{found:?}");
+        };
+        assert!((mps - expected).abs() < 1e-3, "{unit}: {mps}");
+    }
+    for unit in ["furlongs", "0.1km/h", "kg"] {
+        let message = read(with(unit).as_bytes(), SPEED).expect_err(unit);
+        for words in [
+            "signals.wheel_speed_mps has no scale",
+            unit,
+            "expected scale",
+        ] {
+            assert!(message.contains(words), "{words}: {message}");
+        }
+        let scaled = format!("{SPEED}scale = 0.5\n");
+        read(with(unit).as_bytes(), &scaled).expect(unit);
+    }
+}
+
+#[test]
 fn a_car_is_read_by_its_dbc() {
     let own = mapped(&format!(
         "{SPEED}scale = 0.2777777777777778\n\

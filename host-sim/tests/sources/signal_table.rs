@@ -429,3 +429,27 @@ fn one_wrong_time_costs_its_row() {
     let rare = (0..300).map(|time| f64::from(60 * time));
     assert_eq!(ordered(rare).expect("a table").len(), 300);
 }
+
+#[test]
+fn a_row_of_units_may_have_brackets_and_any_spelling() {
+    for units in [
+        "[s],[km/h],[ft]",
+        "(s),(km/h),(ft)",
+        "sec,kmph,feet",
+        "s,Unit_KiloMeterPerHour,feet",
+    ] {
+        let table = format!("time_s,wheel_speed_mps,altitude_m\n{units}\n0.0,36.0,1000\n");
+        let rows = read(table.as_bytes()).expect(units);
+        let expected = vec![
+            (Signal::Altitude, Value::Real(304.8)),
+            (Signal::WheelSpeed, Value::Real(10.0)),
+        ];
+        let mut found = rows[0].1.clone();
+        found.sort_by_key(|reading| reading.0.column());
+        assert_eq!(found, expected, "{units}");
+    }
+    // A unit that nobody knows: the column counts for nothing.
+    let table = "time_s,wheel_speed_mps,altitude_m\ns,furlong,m\n0.0,36.0,1000\n";
+    let rows = read(table.as_bytes()).expect("a table");
+    assert_eq!(rows[0].1, [(Signal::Altitude, Value::Real(1000.0))]);
+}

@@ -1,5 +1,7 @@
 //! Helpers of the tests of all packages.
 
+#[cfg(feature = "mdf")]
+pub mod archive;
 #[cfg(feature = "host")]
 pub mod command;
 #[cfg(feature = "host")]

@@ -16,8 +16,12 @@ pub(super) type Position = (f64, f64);
 /// Returns a position on Earth.
 ///
 /// # Errors
-/// Returns an error that names the angle that is out of range.
+/// Returns an error that names the angle that is out of range, and for the place that receivers
+/// without a fix tell.
 pub(super) fn position(latitude_deg: f64, longitude_deg: f64) -> Result<Position, String> {
+    if latitude_deg == 0.0 && longitude_deg == 0.0 {
+        return Err("latitude and longitude are 0; expected a place".to_owned());
+    }
     row_check::position(latitude_deg, longitude_deg).map_err(|flaw| flaw.to_string())?;
     Ok((latitude_deg, longitude_deg))
 }

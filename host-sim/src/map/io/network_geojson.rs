@@ -11,13 +11,15 @@ use geojson::feature::Id;
 use geojson::{Feature, Position, Value as Shape};
 use serde::Deserializer;
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, SeqAccess, Visitor};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::fmt;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
+/// What is expected of a feature.
+const EXPECTED: &str = "expected a LineString of two positions or more";
 /// Bytes of one feature: a way of 2,500 km with a position every 10 m.
 const FEATURE_BYTES: usize = 8 << 20;
 /// Properties for the name of a feature, in order of precedence: ours, Overpass, other exports.
@@ -123,7 +125,7 @@ impl<'de> Visitor<'de> for &mut Collection<'_> {
                     has_features = true;
                     map.next_value_seed(Features(self))?;
                 }
-                "type" | "id" | "geometry" | "properties" => {
+                "type" | "id" | "geometry" | "properties" | "coordinates" | "geometries" => {
                     object.insert(key, map.next_value()?);
                 }
                 _ => {
@@ -137,6 +139,13 @@ impl<'de> Visitor<'de> for &mut Collection<'_> {
             }
             Some(Value::String(kind)) if kind == "FeatureCollection" => {}
             Some(Value::String(kind)) if kind == "Feature" => self.take(Value::Object(object)),
+            // A shape alone.
+            Some(Value::String(_))
+                if object.contains_key("coordinates") || object.contains_key("geometries") =>
+            {
+                let geometry = Value::Object(object);
+                self.take(json!({"type": "Feature", "properties": null, "geometry": geometry}));
+            }
             Some(kind) => self.other = Some(kind.clone()),
             None => return Err(de::Error::missing_field("type")),
         }
@@ -279,12 +288,33 @@ fn text_of<'f>(feature: &'f Feature, key: &str) -> Option<Cow<'f, str>> {
 
 /// Returns the lines of a feature.
 fn parts_of(feature: &Feature) -> std::result::Result<Vec<Vec<Place>>, String> {
-    let expected = "expected a LineString of two positions or more";
     match feature.geometry.as_ref().map(|geometry| &geometry.value) {
-        Some(Shape::LineString(line)) => Ok(vec![points_of(line)?]),
-        Some(Shape::MultiLineString(lines)) => lines.iter().map(|line| points_of(line)).collect(),
-        Some(other) => Err(format!("a {}; {expected}", other.type_name())),
-        None => Err(format!("no geometry; {expected}")),
+        Some(shape) => lines_of(shape),
+        None => Err(format!("no geometry; {EXPECTED}")),
+    }
+}
+
+/// Returns the lines of a shape. Other shapes of a collection are left out with it.
+fn lines_of(shape: &Shape) -> std::result::Result<Vec<Vec<Place>>, String> {
+    let is_line = |shape: &&geojson::Geometry| {
+        matches!(
+            shape.value,
+            Shape::LineString(_) | Shape::MultiLineString(_)
+        )
+    };
+    match shape {
+        Shape::LineString(line) => Ok(vec![points_of(line)?]),
+        Shape::MultiLineString(lines) => lines.iter().map(|line| points_of(line)).collect(),
+        Shape::GeometryCollection(shapes) if shapes.iter().any(|shape| is_line(&shape)) => {
+            let lines = shapes
+                .iter()
+                .filter(is_line)
+                .map(|shape| lines_of(&shape.value));
+            lines
+                .collect::<std::result::Result<Vec<_>, _>>()
+                .map(|lines| lines.concat())
+        }
+        other => Err(format!("a {}; {EXPECTED}", other.type_name())),
     }
 }
 

@@ -33,7 +33,7 @@ pub(super) fn read(path: &Path) -> Result<NetworkDraft> {
             (Step::Open("trkpt" | "rtept", element), Some(track)) => {
                 track.is_in_point = true;
                 let place = element.place();
-                let place = place.ok_or_else(|| "a point without lat and lon".to_owned());
+                let place = place.ok_or_else(|| "no lat and lon".to_owned());
                 let place = place.and_then(|(latitude, longitude)| position(latitude, longitude));
                 track.draft.add(place);
             }

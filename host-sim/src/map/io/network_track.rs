@@ -8,6 +8,8 @@ use crate::map::geometry::way_name::WayDirection;
 pub(super) struct DraftTrack {
     pub(super) name: String,
     parts: Vec<Vec<Position>>,
+    /// Number of points that are left out, and why the first one is.
+    left_out: usize,
     problem: Option<String>,
 }
 
@@ -17,7 +19,7 @@ impl DraftTrack {
         self.parts.push(Vec::new());
     }
 
-    /// Adds a position to the newest line. What is none is kept as the problem of the object.
+    /// Adds a position to the newest line. What is none is left out.
     pub(super) fn add(&mut self, position: Result<Position, String>) {
         match position {
             Ok(position) => match self.parts.last_mut() {
@@ -25,13 +27,14 @@ impl DraftTrack {
                 None => self.parts.push(vec![position]),
             },
             Err(problem) => {
+                self.left_out += 1;
                 self.problem.get_or_insert(problem);
             }
         }
     }
 
-    /// Adds the way to the network. `kind` and `number` name it, as the name does if it has one; with a
-    /// problem it is left out.
+    /// Adds the way to the network. `kind` and `number` name it, as the name does if it has one.
+    /// Points that are left out are told.
     ///
     /// # Errors
     /// Returns an error if the network becomes too large.
@@ -47,9 +50,12 @@ impl DraftTrack {
             name => name,
         };
         let place = format!("{unnamed}, {name}");
-        if let Some(problem) = self.problem {
-            draft.leave_out(format!("{place}: {problem}"));
-            return Ok(());
+        match (self.left_out, self.problem) {
+            (1, Some(problem)) => draft.leave_out(format!("{place}: a point: {problem}")),
+            (count, Some(problem)) => {
+                draft.leave_out(format!("{place}: {count} points, the first: {problem}"));
+            }
+            (_, None) => {}
         }
         let way = DraftWay {
             name,

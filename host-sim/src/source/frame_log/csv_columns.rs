@@ -83,6 +83,8 @@ const NO_CAN: LineProblem = header_problem(
 
 /// Returns true if a line is a header: rows begin with a number.
 pub(super) fn is_header(line: &[u8]) -> bool {
+    let line = line.trim_ascii_start();
+    let line = line.strip_prefix(b",").unwrap_or(line);
     let starts = [&b"time stamp"[..], b"timestamp"];
     starts.into_iter().any(|start| {
         line.get(..start.len())

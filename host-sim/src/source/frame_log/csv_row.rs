@@ -82,9 +82,11 @@ fn length(field: &[u8]) -> Parsed<usize> {
 /// Reads seconds, with an exponent if they are few, or whole microseconds.
 fn time(field: &[u8], dialect: Dialect) -> Parsed<i64> {
     let micros = if dialect == Dialect::SavvyCan {
-        // With a point they would be another unit.
-        let is_whole = !field.contains(&b'.');
-        is_whole.then(|| signed_fixed_point(field, 0)).flatten()
+        // With a point they would be another unit. The clock of the computer counts since 1970.
+        let micros: Option<i64> = str::from_utf8(field)
+            .ok()
+            .and_then(|text| text.parse().ok());
+        micros.filter(|micros| micros.unsigned_abs() <= MOST_MICROS.unsigned_abs() * 10)
     } else {
         signed_fixed_point(field, 6).or_else(|| {
             let seconds: f64 = str::from_utf8(field).ok()?.parse().ok()?;

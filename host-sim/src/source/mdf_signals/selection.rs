@@ -59,12 +59,8 @@ impl Selection {
                 let selected = mapped(catalog, mapping.file(), entry)?;
                 let has_unit = !unit(entry.signal).is_empty();
                 let is_told = entry.scale.is_some() || entry.offset.is_some();
-                let found = &selected.channel.unit;
-                if has_unit && !is_told && units::conversion(found, entry.signal).is_none() {
-                    unknown.push(match &**found {
-                        "" => entry.source.value.clone(),
-                        found => format!("{} ({found})", entry.source.value),
-                    });
+                if has_unit && !is_told && units::is_none(&selected.channel.unit) {
+                    unknown.push(entry.source.value.clone());
                 }
                 selection.channels.push(selected);
             }
@@ -74,7 +70,7 @@ impl Selection {
                 selection.take_by_name(catalog, signal);
             }
         }
-        selection.note("the unit is not known and taken for ours", &unknown);
+        selection.note("there is no unit, and ours is taken for it", &unknown);
         selection.note("channels that are not read", &unreadable(catalog));
         selection
             .channels
@@ -97,7 +93,7 @@ impl Selection {
         if problem_of(of, channel).is_some() {
             return;
         }
-        if units::contradicts(&channel.unit, signal) {
+        if units::is_doubtful(&channel.unit, signal) {
             let unit = channel.unit.escape_debug();
             let problem = format!("{name} is a channel in `{unit}`; map it by --signals");
             self.notes.push(problem);

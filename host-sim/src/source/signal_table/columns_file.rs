@@ -133,6 +133,15 @@ impl ColumnsFile {
         Ok(())
     }
 
+    /// Returns the error for a column whose header has a unit that does not become ours.
+    pub(super) fn unknown_unit<T>(&self, mapped: &Mapped<T>, signal: Signal, unit: &str) -> Error {
+        let (column, unit) = (mapped.column.escape_debug(), unit.escape_debug());
+        let name = signal.column();
+        let problem = format!("column `{column}` is in `{unit}`, which does not become {name}");
+        let expected = "unit, or scale and offset";
+        Error::line(&self.path, mapped.line, problem, expected)
+    }
+
     /// Returns the error for a column that a table lacks.
     pub(super) fn missing<T>(&self, mapped: &Mapped<T>, table: &Path, names: &[String]) -> Error {
         let column = mapped.column.escape_debug();

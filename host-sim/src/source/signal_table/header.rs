@@ -230,10 +230,11 @@ fn map(
             found,
             &|found| matches!(found, Found::Signal(of, ..) if of == signal),
         );
-        let of_header = names[k]
-            .unit
-            .as_deref()
-            .and_then(|unit| units::conversion(unit, *signal));
+        let unit = names[k].unit.as_deref().unwrap_or_default();
+        if mapped.conversion.is_none() && units::is_doubtful(unit, *signal) {
+            return Err(mapping.unknown_unit(mapped, *signal, unit));
+        }
+        let of_header = units::conversion(unit, *signal);
         let (scale, offset) = mapped.conversion.or(of_header).unwrap_or((1.0, 0.0));
         found[k] = Found::Signal(*signal, scale, offset);
     }

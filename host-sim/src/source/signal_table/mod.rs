@@ -224,8 +224,8 @@ impl SignalTableReader {
         let wrong = |expected| self.wrong_value(index, &self.header.time.name, expected);
         micros.map_err(|problem| match problem {
             NoTime::NoUnit => wrong(
-                "a date, a time since 1970, or a unit of the time: in the header (time_s, or time \
-                 [ms]), or in --columns",
+                "a date such as 2026-03-01T23:59:50Z, a time since 1970, or a unit of the time: in the \
+                 header (time_s, or time [ms]), or in --columns",
             ),
             NoTime::Wrong => wrong(TIME_EXPECTED),
         })

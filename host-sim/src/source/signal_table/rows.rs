@@ -145,7 +145,7 @@ impl TableRows {
     pub fn names(&self) -> Vec<ColumnName> {
         let unit = |index| {
             let unit = self.units.as_ref()?.get(index)?;
-            Some(String::from_utf8_lossy(unit).into_owned()).filter(|unit| !unit.is_empty())
+            Some(unit_of(unit)).filter(|unit| !units::is_none(unit))
         };
         let names = self.header.iter().enumerate();
         names
@@ -202,13 +202,20 @@ fn finite(text: &str) -> Option<f64> {
     text.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-/// Returns true for a row of names of units, none of which is a number.
+/// Returns true for a row of names of units: none is a number or a time, and one is a unit at least.
 fn is_row_of_units(record: &ByteRecord) -> bool {
-    let cells = || record.iter().map(String::from_utf8_lossy);
-    let is_unit = |cell: &str| {
-        cell.is_empty() || cell == "-" || units::is_known(cell) || TimeUnit::named(cell).is_some()
+    let cells = || record.iter().map(unit_of);
+    let is_unit = |cell: &str| units::is_known(cell) || TimeUnit::named(cell).is_some();
+    let is_value = |cell: &str| {
+        finite(&cell.replace(',', ".")).is_some() || TimeUnit::of_value(cell, None).is_some()
     };
-    cells().all(|cell| is_unit(&cell)) && cells().any(|cell| !cell.is_empty() && cell != "-")
+    cells().all(|cell| !is_value(&cell)) && cells().any(|cell| is_unit(&cell))
+}
+
+/// Returns the unit that a cell names, without brackets.
+fn unit_of(cell: &[u8]) -> String {
+    let cell = String::from_utf8_lossy(cell);
+    cell.trim_matches(['[', ']', '(', ')']).trim().to_owned()
 }
 
 /// The name of a column, and its unit where the table has one.

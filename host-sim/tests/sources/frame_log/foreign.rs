@@ -250,6 +250,44 @@ fn a_time_of_savvycan_in_another_unit_is_none() {
 }
 
 #[test]
+fn a_table_of_savvycan_may_have_any_separator_and_clock() {
+    let header = "Time Stamp,ID,Extended,Dir,Bus,LEN,D1";
+    let rows = |first: i64| -> String {
+        let row = |k: i64| format!("{},18FEF100,true,Rx,0,1,60,\n", first + k * 100_000);
+        (0..20).map(row).collect()
+    };
+    for first in [0, 1_717_751_916_236_254, -1_717_751_916_236_254] {
+        let table = format!("{header}\n{}", rows(first));
+        for separator in [",", ";", "\t"] {
+            let text = table.replace(',', separator);
+            let (kind, found, _) = read(text.as_bytes()).expect(separator);
+            assert_eq!(
+                (kind, found.len()),
+                (LogKind::Frames(LogFormat::SavvyCan), 20)
+            );
+            let way = found[19].time.since(found[0].time).as_secs_f64();
+            assert!((way - 1.9).abs() < 1e-6, "{first}: {way}");
+        }
+    }
+    let python = "timestamp,arbitration_id,extended,remote,error,dlc,data\n\
+        0.001,0xcf00400,1,0,0,3,YH2E\n0.002,0x123,0,0,0,0,\n";
+    // As saved again with a number in front of each row.
+    let numbered = ",timestamp,arbitration_id,extended,remote,error,dlc,data\n\
+        0,0.001,0xcf00400,1,0,0,3,YH2E\n1,0.002,0x123,0,0,0,0,\n";
+    assert_eq!(read(numbered.as_bytes()), read(python.as_bytes()));
+}
+
+#[test]
+fn candump_without_times_is_named() {
+    let text = "  can0  18FEF100   [8]  FF 00 20 FF FF FF FF FF\n  can0  123   [0]\n";
+    let message = read(text.as_bytes()).expect_err("no times");
+    assert!(
+        message.contains("no times") && message.contains("candump -L"),
+        "{message}"
+    );
+}
+
+#[test]
 fn a_container_that_is_cut_off_is_used_up_to_there() {
     let noise = |k: u64| k.wrapping_mul(0x9E37_79B9_7F4A_7C15).to_le_bytes();
     let frames: Vec<TimedFrame> = (0..400).map(|k| frame(k, ID, &noise(k))).collect();
