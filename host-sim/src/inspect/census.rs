@@ -12,6 +12,7 @@ use crate::source::signal_table::SignalRow;
 use embedded_can::{Frame, Id};
 use estimator_core::signal::{FrameOutcome, Pgn};
 use estimator_core::{Decoder, Instant, Reading, Signal, Value};
+use rustc_hash::FxHashMap;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -251,7 +252,7 @@ pub struct BusCounter {
     standard: BTreeMap<u16, EventTally>,
     transported: BTreeMap<u32, (u64, u16)>,
     /// By signal and, for built-in messages, PGN and source address.
-    signals: BTreeMap<(Signal, Option<(u32, u8)>), Range>,
+    signals: FxHashMap<(Signal, Option<(u32, u8)>), Range>,
     readings: FrameReadings,
 }
 
@@ -364,8 +365,7 @@ impl BusCounter {
             bus_errors: skipped.bus_errors,
             invalid_records: skipped.invalid,
             foreign_messages: skipped.foreign,
-            signals: self
-                .signals
+            signals: BTreeMap::from_iter(self.signals)
                 .into_iter()
                 .map(|((signal, sender), range)| {
                     let pgn = sender.map(|(number, source)| Pgn { number, source });

@@ -47,6 +47,7 @@ impl ParquetTable {
             }
         })?;
         header.ignore(&options.ignore);
+        let width = header.columns.len();
         let columns = header.columns.iter().map(|column| column.index);
         let wanted = std::iter::once(header.time.index).chain(columns);
         let wanted = wanted.filter_map(|index| names.get(index));
@@ -56,7 +57,7 @@ impl ParquetTable {
             batch: Vec::new(),
             next: 0,
             row: 0,
-            order: RowOrder::new(),
+            order: RowOrder::new(width),
             is_over: false,
             readings: Vec::new(),
             damage: DamageCheck::new(options.strict),

@@ -2,7 +2,7 @@
 
 use super::frame_log::{Seconds, moved_to_zero};
 use super::time_order::{TimeOrder, Timed};
-use estimator_core::{Instant, Reading, Signal};
+use estimator_core::{Instant, Reading, Signal, Value};
 use std::collections::BTreeMap;
 
 /// Most rows that wait for earlier ones: some tens of MiB, and hours of a drive.
@@ -11,6 +11,14 @@ const MOST_WAITING: usize = (1 << 16) - 1;
 const PART_US: i64 = 10_000_000;
 /// From so far on within the times of an earlier part, a row is wrong, or another drive begins, µs.
 const WITHIN_US: i64 = 1_000_000;
+
+/// Most sets of signals that are told apart; all further ones count as the last.
+const MOST_SETS: usize = 64;
+/// What a slot has before its first row.
+const NO_READING: Reading = Reading {
+    signal: Signal::WheelSpeed,
+    value: Value::NotAvailable,
+};
 
 /// One row of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,17 +29,45 @@ pub struct SignalRow<'a> {
     pub readings: &'a [Reading],
 }
 
-/// A row that waits.
-#[derive(Debug, Default)]
+/// A row that waits. Its readings are in the store.
+#[derive(Clone, Copy, Debug, Default)]
 struct Row {
     line: u64,
     micros: i64,
-    readings: Vec<Reading>,
+    slot: usize,
+    readings: usize,
 }
 
 impl Timed for Row {
     fn micros(&self) -> i64 {
         self.micros
+    }
+}
+
+/// Readings of the rows that wait, in slots of as many as a row may have.
+struct Store {
+    width: usize,
+    readings: Vec<Reading>,
+    free: Vec<usize>,
+}
+
+impl Store {
+    /// Takes the readings of a row. Returns their slot.
+    fn put(&mut self, readings: &[Reading]) -> usize {
+        let slot = self.free.pop().unwrap_or_else(|| {
+            let begin = self.readings.len();
+            self.readings.resize(begin + self.width, NO_READING);
+            begin
+        });
+        for (to, from) in self.readings.iter_mut().skip(slot).zip(readings) {
+            *to = *from;
+        }
+        slot
+    }
+
+    fn get(&self, row: &Row) -> &[Reading] {
+        let of_row = self.readings.get(row.slot..row.slot + row.readings);
+        of_row.unwrap_or_default()
     }
 }
 
@@ -107,8 +143,11 @@ impl Parts {
 /// zero.
 pub(super) struct RowOrder {
     order: TimeOrder<Row>,
+    store: Store,
     /// Rows of different signals are apart in some tables.
-    parts: BTreeMap<Vec<Signal>, Parts>,
+    parts: Vec<(Vec<Signal>, Parts)>,
+    /// The parts of the row above.
+    last_parts: usize,
     newest_us: i64,
     late: u64,
     latest_us: i64,
@@ -116,43 +155,41 @@ pub(super) struct RowOrder {
     first_us: Option<i64>,
     /// The row that was let go last.
     row: Row,
-    /// Readings whose memory is used again.
-    spare: Vec<Vec<Reading>>,
-    /// The signals of a row.
-    signals: Vec<Signal>,
 }
 
 impl RowOrder {
-    pub(super) fn new() -> Self {
+    /// Creates an order of rows with so many readings at most.
+    pub(super) fn new(width: usize) -> Self {
         Self {
             order: TimeOrder::new(MOST_WAITING),
-            parts: BTreeMap::new(),
+            store: Store {
+                width,
+                readings: Vec::new(),
+                free: Vec::new(),
+            },
+            parts: Vec::new(),
+            last_parts: 0,
             newest_us: i64::MIN,
             late: 0,
             latest_us: 0,
             first_us: None,
             row: Row::default(),
-            spare: Vec::new(),
-            signals: Vec::new(),
         }
     }
 
     /// Takes a row. Returns the rows that are now known to be wrong, or too late.
     pub(super) fn put(&mut self, line: u64, micros: i64, readings: &[Reading]) -> Vec<LeftOut> {
         let mut left_out = Vec::new();
-        let mut own = self.spare.pop().unwrap_or_default();
-        own.extend_from_slice(readings);
         let row = Row {
             line,
             micros,
-            readings: own,
+            slot: self.store.put(readings),
+            readings: readings.len(),
         };
-        self.signals.clear();
-        let signals = readings.iter().map(|reading| reading.signal);
-        self.signals.extend(signals);
-        let Some(parts) = self.parts.get_mut(&self.signals) else {
-            let signals = self.signals.clone();
-            self.parts.insert(signals, Parts::from(micros));
+        let Some(parts) = self.parts_of(readings) else {
+            let signals = readings.iter().map(|reading| reading.signal).collect();
+            self.last_parts = self.parts.len();
+            self.parts.push((signals, Parts::from(micros)));
             self.take(row, &mut left_out);
             return left_out;
         };
@@ -175,6 +212,8 @@ impl RowOrder {
         } else {
             parts.doubtful = Some(row);
         }
+        let gone = wrong.iter().chain(&over).map(|row| row.slot);
+        self.store.free.extend(gone);
         let wrong = wrong.map(|row| (row.line, away(last_us, row.micros)));
         let over = over.map(|row| {
             let time = Seconds(row.micros);
@@ -188,9 +227,28 @@ impl RowOrder {
         left_out
     }
 
+    /// Returns the parts of the rows with these signals; mostly those of the row above.
+    fn parts_of(&mut self, readings: &[Reading]) -> Option<&mut Parts> {
+        let is_of = |(signals, _): &(Vec<Signal>, Parts)| {
+            signals.len() == readings.len()
+                && signals
+                    .iter()
+                    .zip(readings)
+                    .all(|(of, reading)| *of == reading.signal)
+        };
+        if !self.parts.get(self.last_parts).is_some_and(is_of) {
+            let last = (self.parts.len() == MOST_SETS).then_some(MOST_SETS - 1);
+            self.last_parts = self.parts.iter().position(is_of).or(last)?;
+        }
+        self.parts.get_mut(self.last_parts).map(|(_, parts)| parts)
+    }
+
     fn take(&mut self, row: Row, left_out: &mut Vec<LeftOut>) {
-        let Row { line, micros, .. } = row;
+        let Row {
+            line, micros, slot, ..
+        } = row;
         if !self.order.put(row) {
+            self.store.free.push(slot);
             let problem = format!("{} stands too far behind later times", Seconds(micros));
             left_out.push((line, problem));
             return;
@@ -205,8 +263,8 @@ impl RowOrder {
     /// Lets all rows go: the table is over. Returns those that are too late.
     pub(super) fn end(&mut self) -> Vec<LeftOut> {
         let mut left_out = Vec::new();
-        let doubtful = self.parts.values_mut();
-        let doubtful: Vec<Row> = doubtful.filter_map(|of| of.doubtful.take()).collect();
+        let doubtful = self.parts.iter_mut();
+        let doubtful: Vec<Row> = doubtful.filter_map(|(_, of)| of.doubtful.take()).collect();
         for row in doubtful {
             self.take(row, &mut left_out);
         }
@@ -219,10 +277,11 @@ impl RowOrder {
         let Some(row) = self.order.next() else {
             return false;
         };
+        if self.first_us.is_some() {
+            self.store.free.push(self.row.slot);
+        }
         self.first_us.get_or_insert(row.micros);
-        let mut used = std::mem::replace(&mut self.row, row).readings;
-        used.clear();
-        self.spare.push(used);
+        self.row = row;
         true
     }
 
@@ -231,7 +290,7 @@ impl RowOrder {
         let micros = self.row.micros - self.first_us.unwrap_or(0).min(0);
         SignalRow {
             time: Instant::from_micros(u64::try_from(micros).unwrap_or(0)),
-            readings: &self.row.readings,
+            readings: self.store.get(&self.row),
         }
     }
 

@@ -86,12 +86,13 @@ impl SignalTableReader {
             kind::refuse_other(path, &[Kind::SignalTable])?;
         }
         header.ignore(&options.ignore);
+        let width = header.columns.len();
         Ok(Self {
             fields: names.len(),
             rows,
             header,
             readings: Vec::new(),
-            order: RowOrder::new(),
+            order: RowOrder::new(width),
             is_over: false,
             good_rows: 0,
             damage: DamageCheck::new(options.strict),
