@@ -34,6 +34,8 @@ pub struct SignalRow<'a> {
 struct Row {
     line: u64,
     micros: i64,
+    /// How far it stands behind later ones, µs.
+    late_us: i64,
     slot: usize,
     readings: usize,
 }
@@ -148,7 +150,7 @@ pub(super) struct RowOrder {
     parts: Vec<(Vec<Signal>, Parts)>,
     /// The parts of the row above.
     last_parts: usize,
-    newest_us: i64,
+    newest_us: Option<i64>,
     late: u64,
     latest_us: i64,
     /// Time of the first row that was let go, µs.
@@ -169,7 +171,7 @@ impl RowOrder {
             },
             parts: Vec::new(),
             last_parts: 0,
-            newest_us: i64::MIN,
+            newest_us: None,
             late: 0,
             latest_us: 0,
             first_us: None,
@@ -183,6 +185,10 @@ impl RowOrder {
         let row = Row {
             line,
             micros,
+            late_us: self
+                .newest_us
+                .map_or(0, |newest_us| newest_us - micros)
+                .max(0),
             slot: self.store.put(readings),
             readings: readings.len(),
         };
@@ -244,20 +250,16 @@ impl RowOrder {
     }
 
     fn take(&mut self, row: Row, left_out: &mut Vec<LeftOut>) {
-        let Row {
-            line, micros, slot, ..
-        } = row;
+        let Row { line, micros, .. } = row;
         if !self.order.put(row) {
-            self.store.free.push(slot);
+            self.store.free.push(row.slot);
             let problem = format!("{} stands too far behind later times", Seconds(micros));
             left_out.push((line, problem));
             return;
         }
-        if micros < self.newest_us {
-            self.late += 1;
-            self.latest_us = self.latest_us.max(self.newest_us - micros);
-        }
-        self.newest_us = self.newest_us.max(micros);
+        self.late += u64::from(row.late_us > 0);
+        self.latest_us = self.latest_us.max(row.late_us);
+        self.newest_us = self.newest_us.max(Some(micros));
     }
 
     /// Lets all rows go: the table is over. Returns those that are too late.
