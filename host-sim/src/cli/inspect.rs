@@ -198,14 +198,14 @@ fn of_log(args: &Args, log: &Path, options: &ReadOptions) -> Result<()> {
     bar.finish_and_clear();
     let (kind, census, report) = match read {
         Ok(read) => read,
-        Err(error) => return of_foreign_table(args, log, &options, error),
+        Err(error) => return of_foreign_table(args, log, options, error),
     };
     log_notes::note_report(log, &report);
     let dbc = counter.map(|counter| DbcInspection::of(counter, &census));
     let is_foreign = kind == LogKind::SignalTable && !report.ignored_columns.is_empty();
     let table = (is_foreign && log.is_file()).then(|| TableInspection::of(log, &census));
     let table = table.transpose()?;
-    let mapping = ChannelInspection::of(&census, &options);
+    let mapping = ChannelInspection::of(&census, options);
     let proposed = dbc.as_ref().map(|dbc| &dbc.signals_toml);
     let proposed = proposed.or(mapping.as_ref().map(|mapping| &mapping.signals_toml));
     write_proposal(
