@@ -58,7 +58,7 @@ pub fn count_columns(path: &Path) -> Result<Vec<ColumnCount>> {
     while rows.advance()? {
         for (k, column) in columns.iter_mut().enumerate() {
             let number = rows.number(k);
-            let cell = rows.record().get(k).unwrap_or_default();
+            let cell = rows.cell(k);
             match number.or_else(|| switch(cell)) {
                 Some(number) => column.add(number),
                 None if column.text.is_none() && !is_missing(cell) => {

@@ -61,8 +61,8 @@ impl Store {
             self.readings.resize(begin + self.width, NO_READING);
             begin
         });
-        for (to, from) in self.readings.iter_mut().skip(slot).zip(readings) {
-            *to = *from;
+        if let Some(own) = self.readings.get_mut(slot..slot + readings.len()) {
+            own.copy_from_slice(readings);
         }
         slot
     }
@@ -101,6 +101,11 @@ impl Parts {
     /// Returns whether a time is of the part of the row above.
     const fn is_near(&self, micros: i64) -> bool {
         (micros - self.last_us).abs() <= PART_US
+    }
+
+    /// Returns whether a time follows the one of the row above, in the first part.
+    fn is_next(&self, micros: i64) -> bool {
+        self.before.is_empty() && (0..=PART_US).contains(&(micros - self.last_us))
     }
 
     /// Returns whether a span of time runs over one of the parts before.
@@ -199,6 +204,12 @@ impl RowOrder {
             self.take(row, &mut left_out);
             return left_out;
         };
+        // Nearly all rows.
+        if parts.doubtful.is_none() && parts.is_next(micros) {
+            parts.last_us = micros;
+            self.take(row, &mut left_out);
+            return left_out;
+        }
         let doubtful = parts.doubtful.take();
         let (doubtful, wrong) = match doubtful {
             Some(doubtful) if parts.is_wrong(doubtful.micros, micros) => (None, Some(doubtful)),

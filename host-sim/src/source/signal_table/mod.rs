@@ -150,7 +150,7 @@ impl SignalTableReader {
 
     /// Reads the values of the record. Returns its time, µs.
     fn parse(&mut self) -> Result<i64> {
-        let fields = self.rows.record().len();
+        let fields = self.rows.cells();
         if fields != self.fields {
             return Err(self.error(
                 format!("{fields} fields"),
@@ -219,7 +219,7 @@ impl SignalTableReader {
     fn micros(&mut self) -> Result<i64> {
         let index = self.header.time.index;
         let number = self.rows.number(index);
-        let cell = self.rows.record().get(index).unwrap_or_default();
+        let cell = self.rows.cell(index);
         let text = str::from_utf8(cell).unwrap_or_default();
         let micros = self.header.time.micros(text, number);
         let wrong = |expected| self.wrong_value(index, &self.header.time.name, expected);
@@ -235,7 +235,7 @@ impl SignalTableReader {
     /// Returns the value of a cell; `None` if it is empty.
     fn value(&mut self, column: &SignalColumn) -> Result<Option<Value>> {
         let SignalColumn { index, signal, .. } = *column;
-        let cell = self.rows.record().get(index).unwrap_or_default();
+        let cell = self.rows.cell(index);
         if is_missing(cell) {
             return Ok(None);
         }
@@ -252,7 +252,7 @@ impl SignalTableReader {
     }
 
     fn wrong_value(&self, index: usize, column: &str, expected: &str) -> Error {
-        let text = self.rows.record().get(index).unwrap_or_default();
+        let text = self.rows.cell(index);
         self.error(format!("{column} is `{}`", text.escape_ascii()), expected)
     }
 

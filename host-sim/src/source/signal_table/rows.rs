@@ -58,12 +58,11 @@ impl TableRows {
         let delimiter = delimiter_of(header_line(file.look_at_head()));
         file.join(Joint::Lines);
         let csv = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
             .has_headers(false)
             .delimiter(delimiter)
             .comment(Some(b'#'))
             // With a terminator of one byte, the reader's line is exact; see `line`. The carriage
-            // return of CR LF is trimmed, and blank lines are skipped in `advance`.
+            // return of CR LF is trimmed by `cell`, and blank lines are skipped in `advance`.
             .terminator(csv::Terminator::Any(b'\n'))
             .flexible(true)
             .from_reader(Budget::new(
@@ -93,15 +92,17 @@ impl TableRows {
                     "the file is empty; expected a header with time_s and signal columns",
                 ));
             }
-            let first = self.record.get(0).unwrap_or_default();
+            let first = self.cell(0);
             if !first.starts_with(SEPARATOR_LINE) {
                 break;
             }
         }
+        self.record.trim();
         self.header = std::mem::take(&mut self.record);
         self.header_line = self.line();
         if self.advance()? {
             if is_row_of_units(&self.record) {
+                self.record.trim();
                 self.units = Some(std::mem::take(&mut self.record));
             } else {
                 self.is_read_ahead = true;
@@ -126,7 +127,7 @@ impl TableRows {
                 csv::ErrorKind::Io(error) => self.file().read_error(line, error),
                 kind => Error::line(self.file().path(), line, format!("{kind:?}"), "CSV"),
             })?;
-            let is_blank = self.record.len() == 1 && self.record[0].is_empty();
+            let is_blank = self.record.len() == 1 && self.record[0].trim_ascii().is_empty();
             if !is_read || !is_blank {
                 return Ok(is_read);
             }
@@ -156,16 +157,22 @@ impl TableRows {
             .collect()
     }
 
-    /// Returns the cells of the newest record.
+    /// Returns the number of cells of the newest record.
     #[must_use]
-    pub const fn record(&self) -> &ByteRecord {
-        &self.record
+    pub fn cells(&self) -> usize {
+        self.record.len()
+    }
+
+    /// Returns a cell of the newest record without blanks around it; empty if there is none.
+    #[must_use]
+    pub fn cell(&self, index: usize) -> &[u8] {
+        self.record.get(index).unwrap_or_default().trim_ascii()
     }
 
     /// Returns the number of a cell; `None` if it is none. A comma is a decimal one where commas do not
     /// separate cells, and no number before it has a point.
     pub fn number(&mut self, index: usize) -> Option<f64> {
-        let text = str::from_utf8(self.record.get(index)?).ok()?;
+        let text = str::from_utf8(self.record.get(index)?.trim_ascii()).ok()?;
         let decimal = match self.delimiter {
             b',' => None,
             _ => text.bytes().find(|byte| matches!(byte, b'.' | b',')),
@@ -214,7 +221,7 @@ fn is_row_of_units(record: &ByteRecord) -> bool {
 
 /// Returns the unit that a cell names, without brackets.
 fn unit_of(cell: &[u8]) -> String {
-    let cell = String::from_utf8_lossy(cell);
+    let cell = String::from_utf8_lossy(cell.trim_ascii());
     cell.trim_matches(['[', ']', '(', ')']).trim().to_owned()
 }
 
