@@ -48,6 +48,7 @@ pub fn propose_channels(census: &Census) -> Vec<Proposal> {
             count: channel.count,
             min: channel.min,
             max: channel.max,
+            usual: None,
         })
         .collect();
     propose(&found, census)

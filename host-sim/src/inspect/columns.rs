@@ -20,6 +20,7 @@ fn as_signal(column: &ColumnCount) -> DbcSignalCount {
         count: column.numbers,
         min: column.min.map(|min| round(min, 7)),
         max: column.max.map(|max| round(max, 7)),
+        usual: None,
     }
 }
 

@@ -1,6 +1,7 @@
 //! The signals of a `.dbc` file that are in a log, with the range of each.
 
 use crate::numeric::rounding::round;
+use crate::numeric::statistics::quantile;
 use crate::source::can_frame::CanFrame;
 use crate::source::own_signals::dbc::Dbc;
 use crate::source::own_signals::dbc_message::{DbcMessage, DbcSignal};
@@ -27,13 +28,24 @@ pub struct DbcSignalCount {
     pub min: Option<f64>,
     /// Largest number.
     pub max: Option<f64>,
+    /// Range of nearly all numbers, where it is known: a receiver without a fix sends others.
+    #[serde(skip)]
+    pub usual: Option<(f64, f64)>,
 }
 
-#[derive(Clone, Copy, Debug)]
+/// Most numbers that are kept of a signal.
+const MOST_KEPT: usize = 256;
+/// Part of the numbers at each end that is not usual.
+const UNUSUAL: f64 = 0.05;
+
+#[derive(Clone, Debug)]
 struct Seen {
     count: u64,
     min: f64,
     max: f64,
+    /// Each number of the first ones, then each second of twice as many, and so on.
+    kept: Vec<f64>,
+    step: u64,
 }
 
 /// Counter of the signals of a `.dbc` file.
@@ -49,11 +61,13 @@ impl<'d> DbcCounter<'d> {
             count: 0,
             min: f64::INFINITY,
             max: f64::NEG_INFINITY,
+            kept: Vec::new(),
+            step: 1,
         };
         let mut messages = BTreeMap::new();
         for message in dbc.messages() {
             // The first of several with the same frames, which a mapping by number takes too.
-            let counts = (message, vec![none; message.signals.len()]);
+            let counts = (message, vec![none.clone(); message.signals.len()]);
             messages.entry(message.frames).or_insert(counts);
         }
         Self { messages }
@@ -103,7 +117,26 @@ impl Seen {
         if number.is_finite() {
             self.min = self.min.min(number);
             self.max = self.max.max(number);
+            self.keep(number);
         }
+    }
+
+    fn keep(&mut self, number: f64) {
+        if !self.count.is_multiple_of(self.step) {
+            return;
+        }
+        if self.kept.len() == MOST_KEPT {
+            self.step *= 2;
+            let mut is_odd = false;
+            self.kept.retain(|_| {
+                is_odd = !is_odd;
+                !is_odd
+            });
+            if !self.count.is_multiple_of(self.step) {
+                return;
+            }
+        }
+        self.kept.push(number);
     }
 
     fn finish(
@@ -125,6 +158,10 @@ impl Seen {
             count: self.count,
             min: figure(self.min),
             max: figure(self.max),
+            usual: (!self.kept.is_empty()).then(|| {
+                let at = |part| round(quantile(self.kept.iter().copied(), part), 7);
+                (at(UNUSUAL), at(1.0 - UNUSUAL))
+            }),
         }
     }
 }

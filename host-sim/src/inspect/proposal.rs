@@ -178,7 +178,9 @@ pub struct Proposal {
     pub seen: String,
     /// True if the unit is not known, and taken for ours.
     pub is_unit_unknown: bool,
-    /// The largest value, in our unit.
+    /// True if some values are beyond what the signal can be.
+    pub has_others: bool,
+    /// The largest value that is usual, in our unit.
     #[serde(skip)]
     pub most: f64,
 }
@@ -316,7 +318,8 @@ fn proposal(signal: Signal, found: &DbcSignalCount) -> Option<Proposal> {
     let (scale, offset) = known.unwrap_or((1.0, 0.0));
     let (least, most) = plausible_range(signal);
     let is_plausible = |number: f64| (least..=most).contains(&(number * scale + offset));
-    if !is_plausible(min) || !is_plausible(max) {
+    let (low, high) = found.usual.unwrap_or((min, max));
+    if !is_plausible(low) || !is_plausible(high) {
         return None;
     }
     // A switch or a number of a gear has no unit.
@@ -331,7 +334,8 @@ fn proposal(signal: Signal, found: &DbcSignalCount) -> Option<Proposal> {
             .trim_end()
             .to_owned(),
         is_unit_unknown: has_unit && known.is_none(),
-        most: (min * scale + offset).max(max * scale + offset),
+        has_others: !is_plausible(min) || !is_plausible(max),
+        most: (low * scale + offset).max(high * scale + offset),
     })
 }
 
@@ -347,8 +351,13 @@ impl Proposal {
         } else {
             ""
         };
+        let others = if self.has_others {
+            "; a few are beyond what it can be: set invalid if they mean \"not available\""
+        } else {
+            ""
+        };
         let seen = self.seen.replace(char::is_control, " ");
-        format!("# seen: {seen}{doubt}\n")
+        format!("# seen: {seen}{doubt}{others}\n")
     }
 }
 

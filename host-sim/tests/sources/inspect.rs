@@ -472,3 +472,41 @@ fn a_mapping_makes_the_tables_of_a_folder_logs() {
     let (_, notes) = run(&["tables"]);
     assert!(notes.contains("no log in this folder"), "{notes}");
 }
+
+#[test]
+fn a_few_values_that_cannot_be_do_not_hide_a_signal() {
+    let folder = folder();
+    let at = folder.path();
+    let dbc =
+        "VERSION \"\"\nBU_:\nBO_ 4 gnss: 8 X\n SG_ Altitude : 0|18@1+ (0.1,-6000) [0|0] \"m\" X\n";
+    std::fs::write(at.join("gnss.dbc"), dbc).unwrap();
+    // A receiver without a fix, for `share` of the time.
+    let log = |share: f64| -> String {
+        let line = |k: u32| {
+            let height = if f64::from(k) < 400.0 * share {
+                6000
+            } else {
+                61_000 + k % 100
+            };
+            let [a, b, c, _] = height.to_le_bytes();
+            let s = f64::from(k) * 0.1;
+            format!("({s:.6}) can0 004#{a:02X}{b:02X}{c:02X}0000000000\n")
+        };
+        (0..400).map(line).collect()
+    };
+    for (share, is_proposed) in [(0.0, true), (0.02, true), (0.4, false)] {
+        std::fs::write(at.join("drive.log"), log(share)).unwrap();
+        let run = program()
+            .current_dir(at)
+            .args(["inspect", "--dbc", "gnss.dbc", "drive.log"])
+            .assert();
+        let told = String::from_utf8(run.get_output().stdout.clone()).unwrap();
+        assert_eq!(
+            told.contains("[signals.altitude_m]"),
+            is_proposed,
+            "{share}: {told}"
+        );
+        let has_others = told.contains("a few are beyond what it can be");
+        assert_eq!(has_others, share > 0.0 && is_proposed, "{share}: {told}");
+    }
+}
