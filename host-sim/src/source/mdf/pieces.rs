@@ -14,6 +14,10 @@ const HAS_INVALIDATION: u32 = 1 << 31;
 /// Most blocks of a list that are empty.
 const MOST_EMPTY: u32 = 1 << 16;
 
+/// Largest ratio of what deflate unpacks. A file does not have more records than this many for each of
+/// its bytes, whatever a list says.
+const MOST_RATIO: u64 = 1032;
+
 /// A link to data.
 #[derive(Clone, Copy)]
 enum Link {
@@ -29,8 +33,9 @@ pub(in crate::source) struct Pieces {
     /// Bytes of the invalidation bits of a record, if these are to be read. Lists of columns
     /// (LD, MDF 4.2) have them in blocks of their own.
     invalidation_bytes: Option<u64>,
-    /// Bytes of zero that come next.
+    /// Bytes of zero that come next, and of all lists.
     zeros: u64,
+    told_zeros: u64,
     next_list: u64,
     /// The rest of a plain block: place and length.
     rest: (u64, u64),
@@ -169,7 +174,13 @@ impl Pieces {
                 _ => block.link(1 + count + k),
             };
             self.links.push_back(match link {
-                0 => Link::Zeros(records(k).saturating_mul(bytes)),
+                0 => {
+                    let most = file.length().saturating_mul(MOST_RATIO);
+                    let count = records(k).saturating_mul(bytes);
+                    let count = count.min(most.saturating_sub(self.told_zeros));
+                    self.told_zeros += count;
+                    Link::Zeros(count)
+                }
                 _ => Link::Block(link),
             });
         }
