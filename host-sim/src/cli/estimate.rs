@@ -133,11 +133,11 @@ impl Args {
         })
     }
 
-    /// Writes road memory, page and innovations to files that appear when they are committed.
-    fn stage_others(&self, run: &mut LongRun) -> Result<Vec<Staged>> {
-        let mut staged = Vec::from_iter(self.memory.stage(run)?);
+    /// Writes page and innovations to files that appear when they are committed.
+    fn stage_reports(&self, run: &mut LongRun, summary: &RunSummary) -> Result<Vec<Staged>> {
+        let mut staged = Vec::new();
         if let Some(path) = &self.page {
-            staged.push(run_page::stage(path, &self.log, run)?);
+            staged.push(run_page::stage(path, &self.log, &mut run.rows, summary)?);
         }
         if let Some((path, innovations)) = self.innovations.as_ref().zip(run.innovations.as_mut()) {
             staged.push(innovations.stage(path)?);
@@ -195,23 +195,23 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let out = args.run_path(&mut run, &origin)?;
     args.check_outputs(Some(&out))?;
-    let others = args.stage_others(&mut run)?;
+    let mut others = Vec::from_iter(args.memory.stage(&run)?);
+    let summary = RunSummary::new(&mut run)?;
+    others.extend(args.stage_reports(&mut run, &summary)?);
     conclusion::write(&mut run, Some(&out), &origin, file)?;
     others.into_iter().try_for_each(Staged::commit)?;
 
-    print_summary(args, &mut run, seconds)
+    print_summary(args, &summary, run.counters.frames, seconds)
 }
 
-/// Prints the summary of the drive, which took this time to estimate.
-fn print_summary(args: &Args, run: &mut LongRun, seconds: f64) -> Result<()> {
-    let summary = RunSummary::new(run)?;
+/// Prints the summary of the drive of so many frames, which took this time to estimate.
+fn print_summary(args: &Args, summary: &RunSummary, frames: u64, seconds: f64) -> Result<()> {
     if args.json {
-        let json = serde_json::to_string(&summary).expect("numbers are JSON");
+        let json = serde_json::to_string(summary).expect("numbers are JSON");
         print(&format!("{json}\n"))?;
     } else {
         print(&format!("{}\n", summary.table()))?;
     }
-    let frames = run.counters.frames;
     if frames > 0 {
         note(format_args!(
             "{frames} frames in {seconds:.2} s, {:.0} frames/s",

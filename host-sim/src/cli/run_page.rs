@@ -4,11 +4,10 @@ use crate::error::{Error, Result};
 use crate::files::output::Staged;
 use crate::files::run::RunRows;
 use crate::map::{GRID_M, MapRow, WayRows};
-use crate::recorder::{LongRun, RunSummary};
+use crate::recorder::RunSummary;
 use crate::report::map_page;
 use crate::report::on_map::{OnMapCell, on_map_section};
-use crate::report::page::Note;
-use crate::report::verdict::verdict_section;
+use crate::report::verdict::{verdict_section, with_warnings};
 use std::path::Path;
 
 /// Writes the page of a run of this log to a file that appears when it is committed. Cells without a
@@ -16,12 +15,16 @@ use std::path::Path;
 ///
 /// # Errors
 /// Returns the error of the file system, or an error for a run without positions.
-pub(super) fn stage(path: &Path, log: &Path, run: &mut LongRun) -> Result<Staged> {
-    let summary = RunSummary::new(run)?;
+pub(super) fn stage(
+    path: &Path,
+    log: &Path,
+    run: &mut dyn RunRows,
+    summary: &RunSummary,
+) -> Result<Staged> {
     let mut rows: Vec<MapRow> = Vec::new();
     let mut on_map: Vec<OnMapCell> = Vec::new();
     let mut cells = 0;
-    run.rows.each(&mut |row| {
+    run.each(&mut |row| {
         cells += 1;
         on_map.extend(OnMapCell::of(row));
         let position = row.latitude_deg.zip(row.longitude_deg);
@@ -45,11 +48,9 @@ pub(super) fn stage(path: &Path, log: &Path, run: &mut LongRun) -> Result<Staged
     }
     let mut page = map_page::page(log, &[WayRows { name: None, rows }]);
     let name = log.file_stem().unwrap_or_default().to_string_lossy();
-    let first = verdict_section(&[(&*name, &summary)]);
-    let first = summary.warnings.iter().fold(first, |section, warning| {
-        section.note(Note::warning(&warning.message, warning.advice))
-    });
-    page.sections.insert(0, first);
+    let first = verdict_section(&[(&*name, summary)]);
+    page.sections
+        .insert(0, with_warnings(first, "", &summary.warnings));
     if !on_map.is_empty() {
         page = page.with(on_map_section(&on_map, cells));
     }

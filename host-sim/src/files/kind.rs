@@ -116,7 +116,7 @@ pub fn of(path: &Path) -> Option<Kind> {
     if let Some(format) = format_of(&head) {
         return Some(Kind::FrameLog(format));
     }
-    // A mark tells UTF-16.
+    // A byte order mark means UTF-16.
     let (text, ..) = encoding_rs::UTF_8.decode(&head);
     let text = text.trim_start_matches('\u{feff}').trim_start();
     // Its name may have the prefix of a namespace.

@@ -185,7 +185,7 @@ fn format_of_line(line: &[u8]) -> Option<LogFormat> {
 fn is_header(line: &[u8], names: &[&[u8]]) -> bool {
     let mut found = line
         .split(|byte| matches!(byte, b',' | b';' | b'\t'))
-        .map(|name| name.trim_ascii().trim_ascii())
+        .map(|name| name.trim_ascii())
         .skip_while(|name| name.is_empty());
     names
         .iter()

@@ -68,7 +68,7 @@ pub struct Observation {
     pub fastest_rpm: f64,
     /// Whether the engine torque is that of diagnostic answers: trucks broadcast theirs (J1939).
     pub is_light_vehicle: bool,
-    /// The vehicle identification number (VIN), if the bus tells it.
+    /// The vehicle identification number (VIN); `None` if the bus does not send it.
     pub vehicle_number: Option<String>,
     /// Way of the wheels, m.
     pub distance_m: f64,

@@ -1,8 +1,8 @@
 //! The content of a log: its messages, and the range of each signal.
 
-use super::pgn_names::{TRANSPORT_MANAGEMENT, name_of};
+use super::pgn_names::name_of;
 use crate::numeric::rounding::round;
-use crate::source::can_frame::{CanFrame, TimedFrame};
+use crate::source::can_frame::TimedFrame;
 use crate::source::frame_log::Skipped;
 use crate::source::frame_readings::FrameReadings;
 use crate::source::mdf_signals::ChannelCount;
@@ -297,7 +297,7 @@ impl BusCounter {
         if matches!(outcome, FrameOutcome::Rejected(_)) {
             group.unusable += 1;
         }
-        if let Some((announced, length_bytes)) = announcement(pgn, frame) {
+        if let Some((announced, length_bytes)) = frame.announcement() {
             let (count, length) = self.transported.entry(announced).or_default();
             *count += 1;
             *length = length_bytes;
@@ -375,19 +375,6 @@ impl BusCounter {
             channels: Vec::new(),
         }
     }
-}
-
-/// Returns the group that a frame of the transport protocol announces, and its length in bytes: to
-/// all (control byte 32) or to one receiver (16), SAE J1939-21.
-fn announcement(pgn: Pgn, frame: &CanFrame) -> Option<(u32, u16)> {
-    if pgn.number != TRANSPORT_MANAGEMENT {
-        return None;
-    }
-    let [16 | 32, low, high, _, _, pgn0, pgn1, pgn2] = *frame.data() else {
-        return None;
-    };
-    let announced = u32::from_le_bytes([pgn0, pgn1, pgn2, 0]);
-    Some((announced, u16::from_le_bytes([low, high])))
 }
 
 /// Counter of the rows of a signal table.

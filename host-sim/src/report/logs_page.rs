@@ -3,7 +3,7 @@
 use super::map_page;
 use super::page::{Figure, Note, Page, Section, Table};
 use super::plot::{Plot, Series, colour};
-use super::verdict::verdict_section;
+use super::verdict::{verdict_section, with_warnings};
 use crate::error::on_one_line;
 use crate::files::run::RunRow;
 use crate::identify::annotated::comment;
@@ -168,9 +168,7 @@ fn first_section(map: &LogsMap) -> Section {
             "The map is made of the other logs.",
         ));
     }
-    for warning in map.warnings {
-        section = section.note(Note::warning(&warning.message, warning.advice));
-    }
+    section = with_warnings(section, "", map.warnings);
     for run in map.runs {
         for (log, report) in &run.reports {
             if let Some(damage) = report.damage.words() {
@@ -178,10 +176,7 @@ fn first_section(map: &LogsMap) -> Section {
                 section = section.note(Note::warning(message, report.damage.first.join("; ")));
             }
         }
-        for warning in &run.warnings {
-            let message = format!("{}: {}", run.name, warning.message);
-            section = section.note(Note::warning(message, warning.advice));
-        }
+        section = with_warnings(section, &format!("{}: ", run.name), &run.warnings);
     }
     section
 }

@@ -1,7 +1,7 @@
 //! The first section of a page of drives: whether they are to be trusted.
 
 use super::section::{Note, Section};
-use crate::recorder::RunSummary;
+use crate::recorder::{RunSummary, Warning};
 
 /// Returns the section of these runs, each with its name.
 #[must_use]
@@ -21,5 +21,13 @@ pub fn verdict_section(runs: &[(&str, &RunSummary)]) -> Section {
             of.suspect_km, of.distance_km
         );
         section.note(Note::warning(format!("{name}: {}.", of.verdict), marked))
+    })
+}
+
+/// Returns the section with a note for each warning, behind the words that say whose it is.
+#[must_use]
+pub fn with_warnings(section: Section, whose: &str, warnings: &[Warning]) -> Section {
+    warnings.iter().fold(section, |section, of| {
+        section.note(Note::warning(format!("{whose}{}", of.message), of.advice))
     })
 }

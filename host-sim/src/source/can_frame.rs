@@ -2,6 +2,7 @@
 
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use estimator_core::Instant;
+use estimator_core::signal::Pgn;
 
 /// ISO 11783-3 / SAE J1939-21: connection management of multi-packet messages.
 pub const TRANSPORT_MANAGEMENT: u32 = 60_416;
@@ -62,6 +63,23 @@ impl CanFrame {
         let parts =
             parts.filter_map(move |data| Self::extended(id(TRANSPORT_DATA | TO_ALL), &data));
         announcement.into_iter().chain(parts)
+    }
+
+    /// Returns the group that a frame of the transport protocol announces, and its length in bytes: to
+    /// all (control byte 32) or to one receiver (16), SAE J1939-21.
+    #[must_use]
+    pub fn announcement(&self) -> Option<(u32, u16)> {
+        let Id::Extended(id) = self.id() else {
+            return None;
+        };
+        if Pgn::from_raw(id.as_raw()).number != TRANSPORT_MANAGEMENT {
+            return None;
+        }
+        let [16 | 32, low, high, _, _, pgn0, pgn1, pgn2] = *self.data() else {
+            return None;
+        };
+        let announced = u32::from_le_bytes([pgn0, pgn1, pgn2, 0]);
+        Some((announced, u16::from_le_bytes([low, high])))
     }
 
     /// Returns the frames that carry a payload with a raw 29-bit identifier: one frame, or for nine

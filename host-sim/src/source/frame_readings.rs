@@ -48,7 +48,7 @@ impl FrameReadings {
         &self.unseen
     }
 
-    /// Returns the vehicle identification number (VIN), if the bus or an answer tells it.
+    /// Returns the vehicle identification number (VIN) that the bus or an answer sends.
     #[must_use]
     pub fn vehicle_number(&self) -> Option<&str> {
         self.vehicle_number.number().or(self.obd.vehicle_number())

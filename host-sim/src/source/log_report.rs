@@ -29,7 +29,7 @@ pub struct LogReport {
     /// Whether the engine torque is that of diagnostic answers (service 01), as light vehicles have it.
     #[serde(skip)]
     pub has_diagnostic_torque: bool,
-    /// The vehicle identification number (VIN), if the bus tells it.
+    /// The vehicle identification number (VIN); `None` if the bus does not send it.
     #[serde(skip)]
     pub vehicle_number: Option<String>,
 }

@@ -22,7 +22,6 @@ pub struct ParquetTable {
     /// Rows so far, with the damaged ones.
     row: u64,
     order: RowOrder,
-    is_over: bool,
     readings: Vec<Reading>,
     damage: DamageCheck,
 }
@@ -58,7 +57,6 @@ impl ParquetTable {
             next: 0,
             row: 0,
             order: RowOrder::new(width),
-            is_over: false,
             readings: Vec::new(),
             damage: DamageCheck::new(options.strict),
         })
@@ -95,7 +93,7 @@ impl ParquetTable {
     /// without rows, and for a damaged file.
     pub fn next_row(&mut self) -> Result<Option<SignalRow<'_>>> {
         while !self.order.advance() {
-            if self.is_over {
+            if self.order.is_over() {
                 return Ok(None);
             }
             let left_out = if self.has_batch()? {
@@ -110,13 +108,12 @@ impl ParquetTable {
                     }
                 }
             } else {
-                self.is_over = true;
                 self.order.end()
             };
             for (row, problem) in left_out {
                 self.leave_out(self.error(row, &problem, IN_ORDER))?;
             }
-            if self.is_over {
+            if self.order.is_over() {
                 self.end()?;
             }
         }

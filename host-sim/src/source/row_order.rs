@@ -11,7 +11,6 @@ const MOST_WAITING: usize = (1 << 16) - 1;
 const PART_US: i64 = 10_000_000;
 /// From so far on within the times of an earlier part, a row is wrong, or another drive begins, µs.
 const WITHIN_US: i64 = 1_000_000;
-
 /// Most sets of signals that are told apart; all further ones count as the last.
 const MOST_SETS: usize = 64;
 /// What a slot has before its first row.
@@ -139,11 +138,44 @@ impl Parts {
         is_of_own || self.runs_over(micros, micros)
     }
 
-    /// Returns whether the row above, which was far from those before it, is a wrong one: this one
-    /// is nearer to them.
-    const fn is_wrong(&self, doubtful_us: i64, micros: i64) -> bool {
-        (micros - self.last_us).abs() < (micros - doubtful_us).abs()
+    /// Decides on the row that is in doubt, by the time of the next one: it is wrong if that is nearer to
+    /// those before it.
+    fn settle(&mut self, micros: i64) -> Option<Settled> {
+        let doubtful = self.doubtful.take()?;
+        if (micros - self.last_us).abs() < (micros - doubtful.micros).abs() {
+            return Some(Settled::Wrong(doubtful));
+        }
+        self.begin(doubtful.micros);
+        Some(Settled::Right(doubtful))
     }
+
+    /// Places the next row.
+    fn place(&mut self, row: Row) -> Placed {
+        let is_near = self.is_near(row.micros);
+        if is_near && self.goes_on(row.micros) {
+            Placed::Taken
+        } else if is_near || self.is_within(row.micros) {
+            Placed::Over
+        } else {
+            self.doubtful = Some(row);
+            Placed::Doubtful
+        }
+    }
+}
+
+/// What became of a row that was in doubt.
+enum Settled {
+    Right(Row),
+    Wrong(Row),
+}
+
+/// What becomes of a row.
+enum Placed {
+    Taken,
+    /// Its time is within those of earlier rows.
+    Over,
+    /// The next one decides.
+    Doubtful,
 }
 
 /// Rows that may not be in order yet. Where the first time is negative, all are moved to begin with
@@ -190,10 +222,7 @@ impl RowOrder {
         let row = Row {
             line,
             micros,
-            late_us: self
-                .newest_us
-                .map_or(0, |newest_us| newest_us - micros)
-                .max(0),
+            late_us: (self.newest_us.unwrap_or(micros) - micros).max(0),
             slot: self.store.put(readings),
             readings: readings.len(),
         };
@@ -210,36 +239,26 @@ impl RowOrder {
             self.take(row, &mut left_out);
             return left_out;
         }
-        let doubtful = parts.doubtful.take();
-        let (doubtful, wrong) = match doubtful {
-            Some(doubtful) if parts.is_wrong(doubtful.micros, micros) => (None, Some(doubtful)),
-            other => (other, None),
-        };
-        if let Some(doubtful) = &doubtful {
-            parts.begin(doubtful.micros);
-        }
-        let is_near = parts.is_near(micros);
         let last_us = parts.last_us;
-        let mut next = None;
-        let mut over = None;
-        if is_near && parts.goes_on(micros) {
-            next = Some(row);
-        } else if is_near || parts.is_within(micros) {
-            over = Some(row);
-        } else {
-            parts.doubtful = Some(row);
+        let settled = parts.settle(micros);
+        let placed = parts.place(row);
+        match settled {
+            Some(Settled::Right(row)) => self.take(row, &mut left_out),
+            Some(Settled::Wrong(row)) => {
+                let problem = away(last_us, row.micros);
+                left_out.push(self.leave_out(row, problem));
+            }
+            None => {}
         }
-        let gone = wrong.iter().chain(&over).map(|row| row.slot);
-        self.store.free.extend(gone);
-        let wrong = wrong.map(|row| (row.line, away(last_us, row.micros)));
-        let over = over.map(|row| {
-            let time = Seconds(row.micros);
-            let problem = format!("time_s comes again: {time} is within the times of earlier rows");
-            (row.line, problem)
-        });
-        left_out.extend(wrong.into_iter().chain(over));
-        for row in doubtful.into_iter().chain(next) {
-            self.take(row, &mut left_out);
+        match placed {
+            Placed::Taken => self.take(row, &mut left_out),
+            Placed::Over => {
+                let time = Seconds(micros);
+                let problem =
+                    format!("time_s comes again: {time} is within the times of earlier rows");
+                left_out.push(self.leave_out(row, problem));
+            }
+            Placed::Doubtful => {}
         }
         left_out
     }
@@ -261,16 +280,20 @@ impl RowOrder {
     }
 
     fn take(&mut self, row: Row, left_out: &mut Vec<LeftOut>) {
-        let Row { line, micros, .. } = row;
         if !self.order.put(row) {
-            self.store.free.push(row.slot);
-            let problem = format!("{} stands too far behind later times", Seconds(micros));
-            left_out.push((line, problem));
+            let time = Seconds(row.micros);
+            let problem = format!("{time} stands too far behind later times");
+            left_out.push(self.leave_out(row, problem));
             return;
         }
         self.late += u64::from(row.late_us > 0);
         self.latest_us = self.latest_us.max(row.late_us);
-        self.newest_us = self.newest_us.max(Some(micros));
+        self.newest_us = self.newest_us.max(Some(row.micros));
+    }
+
+    fn leave_out(&mut self, row: Row, problem: String) -> LeftOut {
+        self.store.free.push(row.slot);
+        (row.line, problem)
     }
 
     /// Lets all rows go: the table is over. Returns those that are too late.
@@ -283,6 +306,11 @@ impl RowOrder {
         }
         self.order.end();
         left_out
+    }
+
+    /// Returns whether the table is over.
+    pub(super) const fn is_over(&self) -> bool {
+        self.order.is_over()
     }
 
     /// Goes to the next row. Returns false if an earlier one may still come, and at the end.

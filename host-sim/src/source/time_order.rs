@@ -68,6 +68,11 @@ impl<T: Timed> TimeOrder<T> {
         self.is_over = true;
     }
 
+    /// Returns whether the log is over.
+    pub(super) const fn is_over(&self) -> bool {
+        self.is_over
+    }
+
     /// Forgets all that wait.
     pub(super) fn clear(&mut self) {
         self.runs.clear();

@@ -1,20 +1,15 @@
-//! The vehicle identification number (VIN, ISO 3779) that a bus tells.
+//! The vehicle identification number (VIN, ISO 3779) on a bus.
 //!
 //! Trucks send it as Vehicle Identification (SAE J1939-71, PGN 65260) by transport protocol, to all
 //! or to the one who asked.
 
-use super::can_frame::CanFrame;
+use super::can_frame::{CanFrame, TRANSPORT_DATA};
 use embedded_can::{Frame, Id};
 use estimator_core::signal::Pgn;
 use std::collections::BTreeMap;
 
 /// Vehicle Identification, VI.
 const VEHICLE_IDENTIFICATION: u32 = 65_260;
-/// Announcements and data of the transport protocol (SAE J1939-21).
-const MANAGEMENT: u32 = 60_416;
-const DATA: u32 = 60_160;
-/// Control bytes of announcements: a request to send to one receiver, and a broadcast.
-const ANNOUNCEMENTS: [u8; 2] = [16, 32];
 /// Characters of a number.
 const CHARACTERS: usize = 17;
 
@@ -38,16 +33,17 @@ impl VehicleNumber {
             return;
         };
         let [_, _, destination, source] = id.as_raw().to_be_bytes();
-        match (Pgn::from_raw(id.as_raw()).number, frame.data()) {
-            (MANAGEMENT, [control, _, _, _, _, group @ ..]) if ANNOUNCEMENTS.contains(control) => {
-                self.partial.remove(&[source, destination]);
-                if group == &VEHICLE_IDENTIFICATION.to_le_bytes()[..3] {
-                    let whole = Vec::with_capacity(CHARACTERS);
-                    self.partial.insert([source, destination], (whole, 1));
-                }
+        let pair = [source, destination];
+        if let Some((group, _)) = frame.announcement() {
+            self.partial.remove(&pair);
+            if group == VEHICLE_IDENTIFICATION {
+                let whole = Vec::with_capacity(CHARACTERS);
+                self.partial.insert(pair, (whole, 1));
             }
-            (DATA, [number, packet @ ..]) => self.packet([source, destination], *number, packet),
-            _ => {}
+        } else if Pgn::from_raw(id.as_raw()).number == TRANSPORT_DATA
+            && let [number, packet @ ..] = frame.data()
+        {
+            self.packet(pair, *number, packet);
         }
     }
 

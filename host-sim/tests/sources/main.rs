@@ -2,6 +2,7 @@
 
 mod can_frame;
 mod candump;
+mod folders;
 mod foreign_tables;
 mod frame_log;
 mod inspect;

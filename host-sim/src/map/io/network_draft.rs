@@ -16,8 +16,8 @@ pub(super) type Position = (f64, f64);
 /// Returns a position on Earth.
 ///
 /// # Errors
-/// Returns an error that names the angle that is out of range, and for the place that receivers
-/// without a fix tell.
+/// Returns an error that names the angle that is out of range. Latitude and longitude of 0 are what
+/// receivers without a fix send.
 pub(super) fn position(latitude_deg: f64, longitude_deg: f64) -> Result<Position, String> {
     if latitude_deg == 0.0 && longitude_deg == 0.0 {
         return Err("latitude and longitude are 0; expected a place".to_owned());

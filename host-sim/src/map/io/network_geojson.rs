@@ -296,23 +296,14 @@ fn parts_of(feature: &Feature) -> std::result::Result<Vec<Vec<Place>>, String> {
 
 /// Returns the lines of a shape. Other shapes of a collection are left out with it.
 fn lines_of(shape: &Shape) -> std::result::Result<Vec<Vec<Place>>, String> {
-    let is_line = |shape: &&geojson::Geometry| {
-        matches!(
-            shape.value,
-            Shape::LineString(_) | Shape::MultiLineString(_)
-        )
-    };
+    let is_line = |of: &Shape| matches!(of, Shape::LineString(_) | Shape::MultiLineString(_));
     match shape {
         Shape::LineString(line) => Ok(vec![points_of(line)?]),
         Shape::MultiLineString(lines) => lines.iter().map(|line| points_of(line)).collect(),
-        Shape::GeometryCollection(shapes) if shapes.iter().any(|shape| is_line(&shape)) => {
-            let lines = shapes
-                .iter()
-                .filter(is_line)
-                .map(|shape| lines_of(&shape.value));
-            lines
-                .collect::<std::result::Result<Vec<_>, _>>()
-                .map(|lines| lines.concat())
+        Shape::GeometryCollection(shapes) if shapes.iter().any(|of| is_line(&of.value)) => {
+            let lines = shapes.iter().filter(|of| is_line(&of.value));
+            let lines = lines.map(|of| lines_of(&of.value));
+            Ok(lines.collect::<std::result::Result<Vec<_>, _>>()?.concat())
         }
         other => Err(format!("a {}; {EXPECTED}", other.type_name())),
     }

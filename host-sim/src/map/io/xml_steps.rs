@@ -119,7 +119,7 @@ fn entity_text(entity: &BytesRef<'_>) -> String {
     }
 }
 
-/// Returns the text as UTF-8, from the encoding that its mark or its declaration tells.
+/// Returns the text as UTF-8. A byte order mark gives its encoding, otherwise the XML declaration.
 fn decoded(mut file: Box<dyn Read>) -> std::io::Result<impl Read> {
     let mut head = Vec::new();
     file.by_ref()
@@ -138,7 +138,7 @@ fn decoded(mut file: Box<dyn Read>) -> std::io::Result<impl Read> {
         .build(whole))
 }
 
-/// Returns the encoding that `<?xml version="1.0" encoding="ISO-8859-1"?>` tells.
+/// Returns the encoding that an XML declaration names, such as `ISO-8859-1`.
 fn declared(head: &[u8]) -> Option<String> {
     let head = String::from_utf8_lossy(head);
     let declaration = head.trim_start_matches('\u{feff}').strip_prefix("<?xml")?;

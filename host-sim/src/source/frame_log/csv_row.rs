@@ -86,7 +86,7 @@ fn time(field: &[u8], dialect: Dialect) -> Parsed<i64> {
         let micros: Option<i64> = str::from_utf8(field)
             .ok()
             .and_then(|text| text.parse().ok());
-        micros.filter(|micros| micros.unsigned_abs() <= MOST_MICROS.unsigned_abs() * 10)
+        micros.filter(|micros| micros.unsigned_abs() <= MOST_MICROS.unsigned_abs())
     } else {
         signed_fixed_point(field, 6).or_else(|| {
             let seconds: f64 = str::from_utf8(field).ok()?.parse().ok()?;

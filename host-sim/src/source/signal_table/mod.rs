@@ -47,7 +47,6 @@ pub struct SignalTableReader {
     header: HeaderColumns,
     readings: Vec<Reading>,
     order: RowOrder,
-    is_over: bool,
     good_rows: u64,
     damage: DamageCheck,
 }
@@ -93,7 +92,6 @@ impl SignalTableReader {
             header,
             readings: Vec::new(),
             order: RowOrder::new(width),
-            is_over: false,
             good_rows: 0,
             damage: DamageCheck::new(options.strict),
         })
@@ -118,7 +116,7 @@ impl SignalTableReader {
     /// damage or without rows.
     pub fn next_row(&mut self) -> Result<Option<SignalRow<'_>>> {
         while !self.order.advance() {
-            if self.is_over {
+            if self.order.is_over() {
                 return Ok(None);
             }
             let left_out = if self.rows.advance()? {
@@ -133,7 +131,6 @@ impl SignalTableReader {
                     }
                 }
             } else {
-                self.is_over = true;
                 self.order.end()
             };
             for (line, problem) in left_out {
@@ -141,7 +138,7 @@ impl SignalTableReader {
                 let problem = Error::line(self.file().path(), line, problem, IN_ORDER);
                 self.damage.line(problem, self.good_rows)?;
             }
-            if self.is_over {
+            if self.order.is_over() {
                 self.end()?;
             }
         }

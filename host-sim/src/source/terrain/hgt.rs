@@ -11,6 +11,8 @@ use std::path::Path;
 
 /// Posts along one side: 3 arc seconds apart, and 1.
 const SIDES: [usize; 2] = [1201, 3601];
+/// Bytes of the finest tile.
+const MOST_BYTES: u64 = 2 * 3601 * 3601;
 
 /// Returns the place of a tile whose size is not known yet.
 pub(super) fn extent_of(corner: Corner) -> GridPlace {
@@ -35,10 +37,9 @@ fn place_of((latitude, longitude): Corner, side: usize) -> GridPlace {
 /// # Errors
 /// Returns an error that names the file and what was expected.
 pub(super) fn read(path: &Path, corner: Corner) -> Result<ElevationGrid> {
-    let most_bytes = SIDES.map(|side| 2 * side * side)[1] as u64;
     let mut bytes = Vec::new();
     let file = unpacked::open(path, &[".hgt"])?;
-    if let Err(error) = file.take(most_bytes + 1).read_to_end(&mut bytes) {
+    if let Err(error) = file.take(MOST_BYTES + 1).read_to_end(&mut bytes) {
         let problem =
             format!("is damaged ({error}); expected an elevation tile, also as .gz or .zip");
         return Err(Error::content(path, problem));

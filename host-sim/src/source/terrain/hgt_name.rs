@@ -25,15 +25,3 @@ pub(super) fn corner_of(name: &str) -> Option<Corner> {
     };
     is_tile.then_some((latitude, longitude))
 }
-
-/// Returns the name of the tile of a place, as NASA writes it.
-pub(super) fn name_of(latitude_deg: f64, longitude_deg: f64) -> String {
-    let (latitude, longitude) = (latitude_deg.floor(), longitude_deg.floor());
-    let north = if latitude < 0.0 { 'S' } else { 'N' };
-    let east = if longitude < 0.0 { 'W' } else { 'E' };
-    format!(
-        "{north}{:02}{east}{:03}.hgt",
-        latitude.abs(),
-        longitude.abs()
-    )
-}

@@ -10,6 +10,7 @@ mod hgt_name;
 mod tile_files;
 
 use crate::error::{Error, Result};
+use crate::files::data_set::tile;
 use elevation_grid::ElevationGrid;
 use std::path::{Path, PathBuf};
 use tile_files::TileFiles;
@@ -64,7 +65,7 @@ impl Terrain {
                 };
                 let files = self.files.insert(files);
                 let Some(file) = files.at(latitude_deg, longitude_deg) else {
-                    let name = hgt_name::name_of(latitude_deg, longitude_deg);
+                    let name = format!("{}.hgt", tile(latitude_deg, longitude_deg));
                     return Err(missing(&self.folder, &name, files.left_out()));
                 };
                 let grid = file.read()?;
