@@ -27,6 +27,9 @@ pub struct Delays {
     pub receiver: Delay,
     /// Of the traction force. None is assumed.
     pub traction: Delay,
+    /// Of GNSS altitudes behind the fixes that they come with: the time constant of a low-pass in the
+    /// receiver. None is assumed.
+    pub altitude: Delay,
 }
 
 impl Delay {

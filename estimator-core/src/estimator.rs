@@ -179,10 +179,13 @@ impl<S: Scalar> Estimator<S> {
         self.sampler.gnss_latency(self.tuning())
     }
 
-    /// Returns how late receiver and force are beside the wheel speed, as this drive or one before shows.
+    /// Returns how late receiver, force and altitudes are, as this drive or one before shows.
     #[must_use]
     pub const fn delays(&self) -> Delays {
-        self.sampler.delays()
+        Delays {
+            altitude: self.chain.altitude_delay(),
+            ..self.sampler.delays()
+        }
     }
 
     /// Returns what this drive leaves for the next one. It is `None` before 5 km with GNSS, and if

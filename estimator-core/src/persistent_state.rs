@@ -10,7 +10,7 @@
 //! | offset | type | content |
 //! |---|---|---|
 //! | 0 | 4 bytes | `72 67 6b 1a`: "rgk" and a control byte |
-//! | 4 | u32 | version of this table, 4 |
+//! | 4 | u32 | version of this table, 5 |
 //! | 8 | u32 | fingerprint of the vehicle parameters: CRC-32 over them |
 //! | 12 | f32 | mass of the model, kg |
 //! | 16 | 2 f32 | bias, %, and its variance |
@@ -22,7 +22,8 @@
 //! | 76 | u32 | 1 if brakes act that no signal reports, else 0 |
 //! | 80 | 2 f32 | delay of the receiver and its sigma, s; both 0 if none is estimated |
 //! | 88 | 2 f32 | delay of the traction force and its sigma, s; both 0 if none is estimated |
-//! | 96 | u32 | CRC-32 (ISO-HDLC, as in zip and Ethernet) over the bytes before |
+//! | 96 | 2 f32 | time constant of the receiver's low-pass on altitudes and its sigma, s; both 0 if none is estimated |
+//! | 104 | u32 | CRC-32 (ISO-HDLC, as in zip and Ethernet) over the bytes before |
 //!
 //! On an ECU, write the bytes when the ignition goes off, into the older of two slots: an interrupted
 //! write leaves the other slot intact. When the ignition comes on, read both slots and start with one
@@ -67,7 +68,7 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 /// First bytes of the stored form.
 const MAGIC: u32 = u32::from_le_bytes(*b"rgk\x1a");
 /// Version of the layout and of the meaning of its numbers.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 /// Without a table: the data are short and flash is scarce.
 const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
@@ -92,8 +93,8 @@ mod possible {
     /// Learned over assumed variance, 1.
     pub const LEVEL: RangeInclusive<f32> = 1e-6..=1e8;
     /// Estimated delay, s, and its sigma.
-    pub const DELAY: RangeInclusive<f32> = -1.0..=10.0;
-    pub const DELAY_SIGMA: RangeInclusive<f32> = 1e-6..=10.0;
+    pub const DELAY: RangeInclusive<f32> = -1.0..=40.0;
+    pub const DELAY_SIGMA: RangeInclusive<f32> = 1e-6..=40.0;
     /// Square of the correlation. Rounding may leave it slightly above one.
     pub const CORRELATION: RangeInclusive<f32> = 0.0..=1.001;
 }
@@ -153,7 +154,7 @@ impl From<ParameterError> for PersistentStateError {
 
 impl PersistentState {
     /// Length of the stored form, bytes.
-    pub const LEN: usize = 100;
+    pub const LEN: usize = 108;
 
     /// Creates what a drive leaves; `None` if a value could not be read back.
     pub(crate) fn new(
@@ -175,6 +176,7 @@ impl PersistentState {
             delays: Delays {
                 receiver: kept(delays.receiver),
                 traction: kept(delays.traction),
+                altitude: kept(delays.altitude),
             },
         };
         state.is_possible().then_some(state)
@@ -241,6 +243,7 @@ impl PersistentState {
         let bits = f32::to_bits;
         let (receiver_s, receiver_sigma_s) = numbers(delays.receiver);
         let (traction_s, traction_sigma_s) = numbers(delays.traction);
+        let (altitude_s, altitude_sigma_s) = numbers(delays.altitude);
         let words: [u32; WORDS - 1] = [
             MAGIC,
             VERSION,
@@ -266,6 +269,8 @@ impl PersistentState {
             bits(receiver_sigma_s),
             bits(traction_s),
             bits(traction_sigma_s),
+            bits(altitude_s),
+            bits(altitude_sigma_s),
         ];
         let mut bytes = [0; Self::LEN];
         for (place, word) in bytes.chunks_exact_mut(4).zip(words) {
@@ -309,6 +314,8 @@ impl PersistentState {
             receiver_sigma_s,
             traction_s,
             traction_sigma_s,
+            altitude_s,
+            altitude_sigma_s,
         ] = <&[[u8; 4]; WORDS - 1]>::try_from(content)
             .map_err(|_| PersistentStateError::Length(bytes.len()))?;
         let [
@@ -351,6 +358,7 @@ impl PersistentState {
             delays: Delays {
                 receiver: delay(receiver_s, receiver_sigma_s),
                 traction: delay(traction_s, traction_sigma_s),
+                altitude: delay(altitude_s, altitude_sigma_s),
             },
         };
         if state.is_possible() {
@@ -376,7 +384,11 @@ impl PersistentState {
             levels.altitude,
             levels.speed,
         ];
-        let delays = [self.delays.receiver, self.delays.traction];
+        let delays = [
+            self.delays.receiver,
+            self.delays.traction,
+            self.delays.altitude,
+        ];
         possible::MASS.contains(&slow.mass_kg)
             && possible::BIAS.contains(&slow.bias.mean)
             && possible::SCALE.contains(&slow.scale.mean)

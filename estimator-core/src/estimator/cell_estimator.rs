@@ -4,6 +4,7 @@ use super::waiting::{Waiting, WaitingCell};
 use crate::cell::{CELL_LENGTH_M, Cell, CellEnd, Disagreement, Estimate, Live};
 use crate::context::Context;
 use crate::counters::{count, count_by};
+use crate::delay::Delay;
 use crate::filter::{CellInput, ModelMass, Quantity, SlowStates, VehicleCells, initial_state};
 use crate::inference::window::{LiveSlope, Slope, Window, timing_variance};
 use crate::persistent_state::PersistentState;
@@ -42,6 +43,7 @@ impl<S: Scalar> CellEstimator<S> {
     /// Starts with what an earlier drive has left, before the first sample.
     pub fn resume(&mut self, context: &Context, state: &PersistentState) {
         self.known = Some(*state.slow_states());
+        self.cells.resume(state.delays().altitude);
         let sums = state.levels().sums(context.tuning.prior.kept_level_cells);
         let numbers = &context.tuning.estimation;
         self.window.resume(sums, state.hides_brakes(), numbers);
@@ -197,6 +199,12 @@ impl<S: Scalar> CellEstimator<S> {
     pub fn slow_states(&self, mass_kg: f32) -> Option<SlowStates> {
         let state = self.window.newest()?;
         Some(SlowStates::of(state, mass_kg))
+    }
+
+    /// Returns the low-pass of the receiver, as the drive shows it.
+    #[must_use]
+    pub const fn altitude_delay(&self) -> Delay {
+        self.cells.altitude_delay()
     }
 
     /// Returns the window behind the vehicle.

@@ -11,6 +11,7 @@
 //! | [`measurement`] | the update with each measurement, and what it left |
 //! | [`state`], [`prior`] | the forward step: predict, observe; where a drive or a part of it begins |
 //! | `body_sensor`, `late_traction` | accelerometer and pitch beside the force balance; a force that is late |
+//! | `receiver_low_pass` | the low-pass of a receiver that smooths its altitudes |
 //! | `slow_states` | what belongs to the vehicle, and is kept between drives |
 //! | `effect_uncertainty`, `gross_mass` | force and uncertainty of adopted effects; the mass that follows from the scale |
 //! | `response` | how the filter answers a part of the model that is missing |
@@ -28,6 +29,7 @@ mod late_traction;
 pub mod measurement;
 pub mod noise;
 pub mod prior;
+mod receiver_low_pass;
 mod response;
 mod slow_states;
 pub mod state;

@@ -5,9 +5,11 @@ use super::cell_input::{CellInput, Marks, Reading};
 use super::doubt_behind::{DoubtBehind, walk_n};
 use super::effect_uncertainty::EffectUncertainty;
 use super::late_traction::{Lack, LateTraction};
+use super::receiver_low_pass::ReceiverLowPass;
 use super::slow_states::SlowStates;
 use crate::cell::CELL_LENGTH_M;
 use crate::context::Context;
+use crate::delay::Delay;
 use crate::sample::{AltitudeContinuity, Sample, SlopeSensor};
 use crate::scalar::Scalar;
 use crate::tuning::{Numbers, Tuning};
@@ -30,6 +32,7 @@ pub struct VehicleCells {
     late_traction: LateTraction,
     accelerometer: BodySensor,
     pitch: BodySensor,
+    low_pass: ReceiverLowPass,
 }
 
 impl Default for VehicleCells {
@@ -41,7 +44,8 @@ impl Default for VehicleCells {
 impl VehicleCells {
     /// Creates what there is before the first cell.
     #[must_use]
-    pub const fn new() -> Self {
+    #[inline(always)] // See Estimator::new_in().
+    pub fn new() -> Self {
         Self {
             effects: EffectUncertainty::new(),
             has_begun: false,
@@ -56,6 +60,7 @@ impl VehicleCells {
             late_traction: LateTraction::new(),
             accelerometer: BodySensor::new(),
             pitch: BodySensor::new(),
+            low_pass: ReceiverLowPass::new(),
         }
     }
 
@@ -63,6 +68,24 @@ impl VehicleCells {
     #[must_use]
     pub const fn origin_m(&self) -> Option<f32> {
         self.origin_m
+    }
+
+    /// Starts with the low-pass of the receiver that an earlier drive found.
+    pub const fn resume(&mut self, altitude: Delay) {
+        self.low_pass.resume(altitude);
+    }
+
+    /// Takes the low-pass of the receiver as known: no other one is looked for.
+    #[must_use]
+    pub fn with_low_pass(mut self, altitude: Delay) -> Self {
+        self.low_pass.keep(altitude);
+        self
+    }
+
+    /// Returns the low-pass of the receiver, as the drive shows it.
+    #[must_use]
+    pub const fn altitude_delay(&self) -> Delay {
+        self.low_pass.delay()
     }
 
     /// Returns what the last cell says of those before it.
@@ -161,6 +184,8 @@ impl VehicleCells {
         if !gap {
             self.use_body_sensors(numbers, sample, energies, &mut cell);
         }
+        self.low_pass
+            .follow(&context.tuning.detection, energies, &mut cell);
         // What is wrong with the one says nothing of the other.
         cell.marks.rest_begins = cell.marks.by_accelerometer != self.by_accelerometer;
         self.by_accelerometer = cell.marks.by_accelerometer;

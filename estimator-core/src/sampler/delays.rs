@@ -15,7 +15,7 @@ use super::lag_likelihood::{LagLikelihood, Row, Sums, bounded};
 use super::latest::TimedValue;
 use super::speed_scale::SpeedScale;
 use super::speed_slots::{SLOT, SLOT_S, SLOTS, SpeedSlots};
-use crate::delay::Delays;
+use crate::delay::{Delay, Delays};
 use crate::scalar::Scalar;
 use crate::time::{Duration, Instant};
 use crate::tuning::Detection;
@@ -120,6 +120,7 @@ impl DelayEstimator {
         Delays {
             receiver: self.receiver.delay,
             traction: self.traction.delay,
+            altitude: Delay::Unestimated,
         }
     }
 

@@ -28,6 +28,9 @@ const UNITS_PER_M_EAST: f32 = 1_031.0;
 const STEP_SLACK_M: f32 = 200.0;
 /// ... and this times what was driven.
 const STEP_RATIO: f32 = 2.0;
+/// A vehicle whose wheels stand, and that is this far from where they stopped, m, was carried, by a
+/// ferry or a train; or its speeds are wrong.
+const CARRIED_M: f32 = 300.0;
 /// Largest dilution of precision that counts: a fix beyond has no weight.
 const LARGEST_DILUTION: f32 = 50.0;
 /// Fewest satellites that give an altitude: position and clock are four unknowns.
@@ -42,6 +45,16 @@ impl PositionFix {
         let east = self.longitude_e7.abs_diff(earlier.longitude_e7);
         let east = east.min(3_600_000_000 - east.min(3_600_000_000)) as f32;
         north.abs() <= UNITS_PER_M * reach_m && east <= UNITS_PER_M_EAST * reach_m
+    }
+
+    /// Returns whether the vehicle was carried here from an earlier fix, since which its wheels stand.
+    fn is_carried_from(&self, earlier: &Self) -> bool {
+        let north = self.latitude_e7.wrapping_sub(earlier.latitude_e7) as f32;
+        let east = self.longitude_e7.wrapping_sub(earlier.longitude_e7) as f32;
+        let latitude = 1e-7 * self.latitude_e7 as f32;
+        let east = east * libm::cosf(latitude.to_radians());
+        let reach = UNITS_PER_M * CARRIED_M;
+        north * north + east * east > reach * reach
     }
 }
 
@@ -75,6 +88,8 @@ pub(super) struct Gnss {
     latitude_e7: Option<i32>,
     fix: Option<PositionFix>,
     earlier_fix: Option<PositionFix>,
+    /// The first fix of those since which the wheels hardly turned.
+    standing_fix: Option<PositionFix>,
     /// A fix where the vehicle cannot be, unless the next one confirms it.
     doubted_fix: Option<PositionFix>,
     altitude: Option<(AltitudeMeasurement, f32)>,
@@ -102,14 +117,15 @@ impl Gnss {
         self.latitude_e7 = value.degrees_e7();
     }
 
-    /// Takes a longitude, which completes a position taken at the distance `at_m`.
-    pub(super) fn longitude(&mut self, value: Value, at_m: f32) {
+    /// Takes a longitude, which completes a position taken at the distance `at_m`. Returns whether the
+    /// vehicle was carried there.
+    pub(super) fn longitude(&mut self, value: Value, at_m: f32) -> bool {
         let (Some(latitude_e7), Some(longitude_e7)) = (self.latitude_e7.take(), value.degrees_e7())
         else {
-            return;
+            return false;
         };
         if !is_on_earth(latitude_e7, longitude_e7) {
-            return;
+            return false;
         }
         let repeated = self
             .fix
@@ -124,7 +140,7 @@ impl Gnss {
             && !fix.follows(&last)
         {
             let Some(doubted) = self.doubted_fix.replace(fix).filter(|of| fix.follows(of)) else {
-                return;
+                return false;
             };
             self.fix = Some(doubted);
             self.earlier_fix = None;
@@ -138,6 +154,11 @@ impl Gnss {
             self.earlier_fix = self.fix;
         }
         self.fix = Some(fix);
+        let stands = |since: &PositionFix| (fix.at_m - since.at_m).abs() < CELL_LENGTH_M;
+        let standing_fix = self.standing_fix.filter(stands);
+        let is_carried = standing_fix.is_some_and(|since| fix.is_carried_from(&since));
+        self.standing_fix = standing_fix.filter(|_| !is_carried).or(Some(fix));
+        is_carried
     }
 
     /// Takes an altitude, which completes a fix taken at the distance `at_m`.
@@ -251,7 +272,12 @@ impl Gnss {
     /// Puts all fixes back by a distance.
     #[inline(never)] // Called from several places.
     pub(super) fn put_back(&mut self, metres: f32) {
-        let fixes = [&mut self.fix, &mut self.earlier_fix, &mut self.doubted_fix];
+        let fixes = [
+            &mut self.fix,
+            &mut self.earlier_fix,
+            &mut self.standing_fix,
+            &mut self.doubted_fix,
+        ];
         for fix in fixes.into_iter().flatten() {
             fix.at_m -= metres;
             fix.since_m -= metres;

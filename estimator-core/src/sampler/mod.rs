@@ -299,7 +299,9 @@ impl Sampler {
             Signal::Latitude => gnss.latitude(value),
             Signal::Longitude => {
                 let at_m = self.fix_distance_m(context, now);
-                self.parts.gnss.longitude(value, at_m);
+                if self.parts.gnss.longitude(value, at_m) {
+                    self.odometer.interrupt();
+                }
             }
             Signal::Altitude => self.altitude(context, now, value.real(), source_switched),
             _ => gnss.quality(now, signal, value.real()),

@@ -4,10 +4,7 @@ use estimator_core::{Delay, Delays, Estimator, Tuning};
 use test_kit::by_force;
 use test_kit::late_drive::{Late, LateDrive};
 
-const IN_TIME: Late = Late {
-    receiver_s: 0.15,
-    traction_s: 0.0,
-};
+const IN_TIME: Late = Late::NONE;
 
 /// Drives so long.
 fn driven(late: Late, minutes: u32) -> LateDrive {
@@ -63,10 +60,31 @@ fn both_are_found_at_once() {
     let late = Late {
         receiver_s: 1.6,
         traction_s: 1.0,
+        ..IN_TIME
     };
     let delays = driven(late, 30).estimator.delays();
     assert!((found_s(delays.receiver) - 1.6).abs() < 0.1, "{delays:?}");
     assert!((found_s(delays.traction) - 1.0).abs() < 0.2, "{delays:?}");
+}
+
+#[test]
+fn the_low_pass_of_a_receiver_on_altitudes_is_found() {
+    for altitude_s in [5.0, 10.0, 20.0, 30.0] {
+        let late = Late {
+            altitude_s,
+            ..IN_TIME
+        };
+        let mut drive = driven(late, 0);
+        drive.on(1_800, late);
+        let Delay::Estimated { delay_s, sigma_s } = drive.estimator.delays().altitude else {
+            panic!("{altitude_s} s: {:?}", drive.estimator.delays());
+        };
+        let off_s = (delay_s - altitude_s).abs();
+        assert!(
+            off_s < 3.0 * sigma_s && sigma_s < 0.25 * altitude_s,
+            "{altitude_s} s: {delay_s} ± {sigma_s} s"
+        );
+    }
 }
 
 #[test]

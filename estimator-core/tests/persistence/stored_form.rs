@@ -10,7 +10,7 @@ use test_kit::hilly_drive::{KEPT, USUAL, drive};
 use test_kit::truck;
 
 /// Lengths and offsets in the blob, from the table in the module's documentation.
-const CHECKED: usize = 96;
+const CHECKED: usize = 104;
 const MASS: usize = 12;
 const BIAS: usize = 16;
 const BIAS_VARIANCE: usize = 20;
@@ -75,7 +75,7 @@ fn a_blob_is_as_documented_and_reads_back() {
     let bytes = blob();
     let number = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     let slow = KEPT.slow_states();
-    assert_eq!(bytes[..8], *b"rgk\x1a\x04\0\0\0");
+    assert_eq!(bytes[..8], *b"rgk\x1a\x05\0\0\0");
     assert_eq!(number(MASS), 39_000.0);
     assert_eq!(number(BIAS), slow.bias.mean);
     assert_eq!(number(BIAS_VARIANCE), slow.bias.variance);
@@ -88,7 +88,7 @@ fn a_blob_is_as_documented_and_reads_back() {
     assert_eq!(number(LEVELS + 20), KEPT.levels().speed);
     assert_eq!(bytes[HIDES_BRAKES..DELAYS], [0; 4]);
     // No delay was found.
-    assert_eq!(bytes[DELAYS..CHECKED], [0; 16]);
+    assert_eq!(bytes[DELAYS..CHECKED], [0; 24]);
     assert_eq!(bytes[CHECKED..], crc32(&bytes[..CHECKED]).to_le_bytes());
     assert_eq!(PersistentState::LEN, CHECKED + 4);
     assert_eq!(PersistentState::from_bytes(&bytes), Ok(*KEPT));
@@ -136,15 +136,15 @@ fn each_wrong_length_is_refused() {
         Err(PersistentStateError::Magic)
     );
     // A later layout, of another length and with a right checksum.
-    let later = &edited(4, 5_u32.to_le_bytes())[..];
+    let later = &edited(4, 6_u32.to_le_bytes())[..];
     assert_eq!(
         PersistentState::from_bytes(later),
-        Err(PersistentStateError::Version(5))
+        Err(PersistentStateError::Version(6))
     );
     let later = [later, &[0; 8]].concat();
     assert_eq!(
         PersistentState::from_bytes(&later),
-        Err(PersistentStateError::Version(5))
+        Err(PersistentStateError::Version(6))
     );
 }
 
@@ -223,7 +223,7 @@ proptest! {
 
     #[test]
     fn any_content_under_a_right_checksum_is_refused_or_sound(
-        numbers in prop::collection::vec((3..23_usize, -9.9..9.9_f32, -12..5), 1..4),
+        numbers in prop::collection::vec((3..25_usize, -9.9..9.9_f32, -12..5), 1..4),
         metres in 100..600_u32,
     ) {
         let mut bytes = blob();
@@ -346,8 +346,8 @@ fn fingerprint_of(vehicle: &VehicleParameters) -> u32 {
 #[test]
 fn refusals_say_what_is_wrong() {
     for (refusal, words) in [
-        (PersistentStateError::Length(3), "3 bytes: expected 100"),
-        (PersistentStateError::Version(7), "version 7: expected 4"),
+        (PersistentStateError::Length(3), "3 bytes: expected 108"),
+        (PersistentStateError::Version(7), "version 7: expected 5"),
         (PersistentStateError::Checksum, "damaged"),
         (PersistentStateError::Vehicle, "another vehicle"),
     ] {

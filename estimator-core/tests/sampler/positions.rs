@@ -80,3 +80,37 @@ fn positions_go_on_over_the_date_line() {
         assert_eq!(signs.len(), 2, "it crosses the line once: {signs:?}");
     }
 }
+
+/// Returns the number of cells that do not follow the last one, of a stand and the way behind it. The
+/// vehicle is moved by so many metres while it stands.
+fn gaps_after(carried_m: i32) -> usize {
+    let (mut drive, here_e7) = driven(20, 100_000_000, 1.0);
+    let at = |metres: f64, mps: f32| {
+        let longitude_e7 = here_e7 + (metres * E7_PER_M) as i32;
+        let mut readings = tenth(Some(longitude_e7));
+        readings.retain(|(signal, _)| *signal != Signal::WheelSpeed);
+        readings.push((Signal::WheelSpeed, Value::Real(mps)));
+        readings
+    };
+    for second in 0..100 {
+        let metres = f64::from(carried_m * second) / 100.0;
+        drive.on_values(1.0, &at(metres, 0.0));
+    }
+    let before = drive.samples.len();
+    for tick in 0..100 {
+        let metres = f64::from(carried_m) + 0.2 * f64::from(tick);
+        drive.on_values(0.1, &at(metres, 2.0));
+    }
+    let behind = &drive.samples[before..];
+    assert!(behind.len() > 4, "{}", behind.len());
+    behind.iter().filter(|sample| sample.gap_cells > 0).count()
+}
+
+#[test]
+fn a_vehicle_that_is_carried_while_its_wheels_stand_begins_anew() {
+    assert_eq!(gaps_after(0), 0);
+    // Fixes of a vehicle that stands wander.
+    assert_eq!(gaps_after(150), 0);
+    assert_eq!(gaps_after(800), 1);
+    assert_eq!(gaps_after(4_000), 1);
+}

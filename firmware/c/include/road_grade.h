@@ -39,7 +39,7 @@
 /**
  * Length of a persistent state, bytes.
  */
-#define GRADE_PERSISTENT_STATE_BYTES 100
+#define GRADE_PERSISTENT_STATE_BYTES 108
 
 /**
  * Memory for a map's place and horizon, bytes. It is enough on every target; `grade_map_bytes` tells

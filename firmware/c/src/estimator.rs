@@ -21,7 +21,7 @@ pub const GRADE_ALIGNMENT: usize = 8;
 /// Length of a packed vehicle, bytes.
 pub const GRADE_PACKED_VEHICLE_BYTES: usize = 1008;
 /// Length of a persistent state, bytes.
-pub const GRADE_PERSISTENT_STATE_BYTES: usize = 100;
+pub const GRADE_PERSISTENT_STATE_BYTES: usize = 108;
 
 const _: () = assert!(size_of::<Estimator>() <= GRADE_ESTIMATOR_BYTES);
 const _: () = assert!(align_of::<Estimator>() <= GRADE_ALIGNMENT);

@@ -53,7 +53,16 @@ pub fn found(drives: &[Delays]) -> Vec<FoundDelay> {
         "what it lacks is added, with a larger sigma",
         |delays| delays.traction,
     );
-    receiver.into_iter().chain(traction).collect()
+    let altitude = of(
+        "GNSS altitudes, behind a low-pass of the receiver, are",
+        "an estimate finds it on each drive, and --kept keeps it",
+        |delays| delays.altitude,
+    );
+    receiver
+        .into_iter()
+        .chain(traction)
+        .chain(altitude)
+        .collect()
 }
 
 /// Returns what is not known of the receiver, if no drive shows its delay and one shows that it is

@@ -310,6 +310,7 @@ impl<S: Scalar> Recorder<S> {
         let known = Known {
             slow_states: estimator.known(),
             hides_brakes: estimator.hides_brakes(),
+            altitude_delay: Some(estimator.delays().altitude),
         };
         let mut innovations = self.innovations.take();
         let mut sink = innovations.as_mut().map(|kept| kept.sink(start));

@@ -8,7 +8,7 @@ use super::piece::{MeasurementSink, Piece};
 use super::samples::Samples;
 use super::smoothed_cell::SmoothedCell;
 use estimator_core::filter::{SlowStates, VehicleCells};
-use estimator_core::{Context, Sample};
+use estimator_core::{Context, Delay, Sample};
 
 /// Cells of a piece, 100 km.
 const PIECE: usize = 40_000;
@@ -22,6 +22,8 @@ pub struct Known<'a> {
     pub slow_states: Option<&'a SlowStates>,
     /// Whether brakes act that no signal reports.
     pub hides_brakes: bool,
+    /// The receiver's low-pass on altitudes; without one, the run shows it as it goes on.
+    pub altitude_delay: Option<Delay>,
 }
 
 /// Smooths a run. Returns one cell for each sample from the first speed on.
@@ -51,7 +53,11 @@ pub fn smooth_pieces<M: Samples>(
     let numbers = &context.tuning.estimation;
     let mut disagreements = Disagreements::default();
     let all = samples.count();
-    let mut maker = VehicleCells::default();
+    let maker = VehicleCells::default();
+    let mut maker = match known.altitude_delay {
+        Some(delay) => maker.with_low_pass(delay),
+        None => maker,
+    };
     let (mut done, mut given) = (0, 0);
     while done < all {
         let end = (done + PIECE).min(all);

@@ -278,8 +278,8 @@ fn an_unusable_file_is_refused_by_name_and_nothing_changes() {
     let mut damaged = left.clone();
     damaged[30] ^= 4;
     refused("two", &damaged, "damaged");
-    refused("two", &left[..20], "20 bytes: expected 100");
-    refused("two", b"", "0 bytes: expected 100");
+    refused("two", &left[..20], "20 bytes: expected 108");
+    refused("two", b"", "0 bytes: expected 108");
     refused("two", b"time_s,distance_m\n", "not a persistent state");
     let mut later = left.clone();
     later[4] = 5;
