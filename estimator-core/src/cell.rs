@@ -91,6 +91,16 @@ impl Disagreement {
         [climb, brake, torque, speed, gear]
     }
 
+    /// Returns what counts of it: nothing where the slope is known within `percent` all the same.
+    #[must_use]
+    pub const fn where_uncertain(self, variance: f32, percent: f32) -> Self {
+        if variance < percent * percent {
+            Self::NONE
+        } else {
+            self
+        }
+    }
+
     /// Returns the union of both.
     #[must_use]
     pub const fn or(self, other: Self) -> Self {

@@ -11,6 +11,9 @@ use crate::persistent_state::PersistentState;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
 
+/// Usual sigma of a live slope over that of a lagged one.
+const LIVE_SIGMAS: f32 = 2.0;
+
 /// The part of the estimator behind the sampler: samples in, cells out.
 #[derive(Clone, Debug)]
 pub struct CellEstimator<S> {
@@ -108,7 +111,11 @@ impl<S: Scalar> CellEstimator<S> {
     fn take_live(&mut self, context: &mut Context, sample: &Sample, live: &LiveSlope) {
         self.end = sample.end;
         self.live = live.slope;
-        self.disagreement = live.disagreement.or(sample.disagreement);
+        let least_percent = LIVE_SIGMAS * context.tuning.estimation.inconsistent_percent;
+        self.disagreement = live
+            .disagreement
+            .where_uncertain(live.slope.variance, least_percent)
+            .or(sample.disagreement);
         if live.restarted {
             self.waiting.give_up();
         }
@@ -158,7 +165,10 @@ impl<S: Scalar> CellEstimator<S> {
             let rate = (smoothed.slope.mean - before) / CELL_LENGTH_M;
             let numbers = &context.tuning.estimation;
             let timing = timing_variance(numbers, waiting.end.speed_mps, rate);
-            waiting.smoothed(&smoothed, timing, self.cells.origin_m())
+            let disagreement = smoothed
+                .disagreement
+                .where_uncertain(smoothed.slope.variance, numbers.inconsistent_percent);
+            waiting.smoothed(&smoothed, disagreement, timing, self.cells.origin_m())
         };
         let counters = &mut context.counters;
         if !cell.lagged_consistent {

@@ -115,13 +115,16 @@ impl Piece {
         let own = self.ends.iter().enumerate().filter(|(_, end)| end.is_own);
         own.map(|(index, end)| {
             let found = self.disagreement(numbers, index, &smoothed[index], inferred);
-            let disagreement = found.or(end.signals);
+            let variance = smoothed[index].slope.variance as f32;
+            let disagreement = found
+                .where_uncertain(variance, numbers.inconsistent_percent)
+                .or(end.signals);
             let cell = SmoothedCell {
                 end: end.end,
                 estimate: self.estimate(numbers, index, &smoothed, origin_m),
                 is_consistent: disagreement.is_none(),
             };
-            (cell, disagreement)
+            (cell, found.or(end.signals))
         })
         .collect()
     }
