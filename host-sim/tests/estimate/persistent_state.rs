@@ -282,8 +282,8 @@ fn an_unusable_file_is_refused_by_name_and_nothing_changes() {
     refused("two", b"", "0 bytes: expected 108");
     refused("two", b"time_s,distance_m\n", "not a persistent state");
     let mut later = left.clone();
-    later[4] = 5;
-    refused("two", &later, "version 5: expected 4");
+    later[4] = 6;
+    refused("two", &later, "version 6: expected 5");
     refused("other", &left, "another vehicle");
 
     let vehicle = folder.join("two.vehicle.toml");
