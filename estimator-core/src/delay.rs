@@ -19,6 +19,18 @@ pub enum Delay {
     Invalid,
 }
 
+/// Evidence below which an estimated delay is no other than the assumed one.
+const TOO_LITTLE: f32 = 1.0;
+
+/// The delay that fits the drive best.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BestFit {
+    pub delay_s: f32,
+    pub sigma_s: f32,
+    /// Whether it is one: the best lies within what is compared, and fits.
+    pub is_clear: bool,
+}
+
 /// The delays that an estimator looks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -39,6 +51,46 @@ impl Delay {
         match self {
             Self::Estimated { delay_s, .. } => Some(*delay_s),
             Self::Unestimated | Self::Invalid => None,
+        }
+    }
+
+    /// Returns what is known of the delay with the best fit of more of the drive. The evidence is that
+    /// of another delay than assumed, and that against the one that was estimated; both are logarithms
+    /// of ratios of likelihoods, and `enough` is what a decision takes.
+    pub(crate) fn decided(
+        self,
+        best: BestFit,
+        evidence: f32,
+        evidence_against: f32,
+        enough: f32,
+    ) -> Self {
+        let BestFit {
+            mut delay_s,
+            sigma_s,
+            is_clear,
+        } = best;
+        let mut needed = enough;
+        if let Self::Estimated {
+            delay_s: held_s,
+            sigma_s: held_sigma_s,
+        } = self
+        {
+            // A drive that knows less than an earlier one follows it unless it contradicts.
+            if sigma_s > held_sigma_s && evidence_against < enough {
+                return self;
+            }
+            needed = TOO_LITTLE;
+            // Smaller changes are noise, and each one moves what is late.
+            if (delay_s - held_s).abs() < 0.5 * sigma_s {
+                delay_s = held_s;
+            }
+        }
+        if evidence < needed {
+            Self::Unestimated
+        } else if is_clear {
+            Self::Estimated { delay_s, sigma_s }
+        } else {
+            Self::Invalid
         }
     }
 }

@@ -160,15 +160,15 @@ impl<S: Scalar> CellEstimator<S> {
         let cell = if self.waiting.has_given_up() {
             self.waiting.pop()?.unsmoothed()
         } else {
-            let (smoothed, before) = self.window.next_finished()?;
+            let (mut smoothed, before) = self.window.next_finished()?;
             let waiting = self.waiting.pop()?;
             let rate = (smoothed.slope.mean - before) / CELL_LENGTH_M;
             let numbers = &context.tuning.estimation;
             let timing = timing_variance(numbers, waiting.end.speed_mps, rate);
-            let disagreement = smoothed
+            smoothed.disagreement = smoothed
                 .disagreement
                 .where_uncertain(smoothed.slope.variance, numbers.inconsistent_percent);
-            waiting.smoothed(&smoothed, disagreement, timing, self.cells.origin_m())
+            waiting.smoothed(&smoothed, timing, self.cells.origin_m())
         };
         let counters = &mut context.counters;
         if !cell.lagged_consistent {

@@ -1,6 +1,6 @@
 //! Cells that wait for their lagged estimate.
 
-use crate::cell::{Cell, CellEnd, Disagreement};
+use crate::cell::{Cell, CellEnd};
 use crate::inference::window::{Slope, SmoothedCell, WAITING_CELLS};
 use heapless::Deque;
 
@@ -23,7 +23,6 @@ impl WaitingCell {
     pub(super) fn smoothed(
         &self,
         smoothed: &SmoothedCell,
-        disagreement: Disagreement,
         timing_variance: f32,
         origin_m: Option<f32>,
     ) -> Cell {
@@ -31,7 +30,7 @@ impl WaitingCell {
         Cell {
             lagged_grade_percent: smoothed.slope.widened(timing_variance).grade(),
             altitude_m: origin_m.map(altitude),
-            lagged_consistent: self.signals_agree && disagreement.is_none(),
+            lagged_consistent: self.signals_agree && smoothed.disagreement.is_none(),
             ..self.unsmoothed()
         }
     }

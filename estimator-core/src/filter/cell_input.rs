@@ -52,6 +52,12 @@ pub struct CellInput {
 }
 
 impl CellInput {
+    /// Returns the slope that the force balance reads, with the kinetic energy before and behind, %.
+    #[must_use]
+    pub fn read_percent(&self, (before, after): (f32, f32)) -> f32 {
+        (self.keep_energy * before + self.work - after) / (self.keep_energy * self.gravity)
+    }
+
     /// Returns whether the retarder brakes.
     #[must_use]
     pub fn retards(&self, numbers: &Numbers) -> bool {

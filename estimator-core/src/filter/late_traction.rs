@@ -4,6 +4,7 @@
 //! from its own low-pass of that time constant is as much; most of it is added. What is wrong with
 //! that lasts as long as τ.
 
+use super::low_pass::low_passed;
 use crate::scalar::Scalar;
 
 /// Part of the difference that is added, and part of it by which that may be wrong, 1 sigma: a pure
@@ -39,8 +40,7 @@ impl LateTraction {
             return Lack::default();
         }
         let before = self.low_pass_percent.unwrap_or(percent);
-        let gain = duration_s / (duration_s + late_s);
-        let low_pass = before + gain * (percent - before);
+        let low_pass = low_passed(before, percent, duration_s, late_s);
         self.low_pass_percent = Some(low_pass);
         let behind = percent - low_pass;
         let cells = 1.0 + late_s / Scalar::max(duration_s, 1e-3);

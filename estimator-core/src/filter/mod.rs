@@ -11,7 +11,7 @@
 //! | [`measurement`] | the update with each measurement, and what it left |
 //! | [`state`], [`prior`] | the forward step: predict, observe; where a drive or a part of it begins |
 //! | `body_sensor`, `late_traction` | accelerometer and pitch beside the force balance; a force that is late |
-//! | `receiver_low_pass` | the low-pass of a receiver that smooths its altitudes |
+//! | `low_pass`, `receiver_low_pass` | a low-pass; that of a receiver that smooths its altitudes |
 //! | `slow_states` | what belongs to the vehicle, and is kept between drives |
 //! | `effect_uncertainty`, `gross_mass` | force and uncertainty of adopted effects; the mass that follows from the scale |
 //! | `response` | how the filter answers a part of the model that is missing |
@@ -26,6 +26,7 @@ pub mod dynamics;
 mod effect_uncertainty;
 mod gross_mass;
 mod late_traction;
+mod low_pass;
 pub mod measurement;
 pub mod noise;
 pub mod prior;

@@ -1,17 +1,18 @@
 //! The low-pass of a receiver that smooths its altitudes.
 //!
-//! The force balance says how the vehicle climbs; altitudes that the receiver smooths are late beside
-//! it. Of two signals x and y that are in time, the one times what the other one was lately is the same
-//! either way round in the mean, whatever noise they have: E[y x₋] = E[x y₋]. So the difference of the
-//! two products tells which one is late. The climb is compared behind low-passes of a row of time
-//! constants; at the receiver's own the difference is zero. A likelihood of residuals would not do: a
-//! low-pass makes a climb less noisy, and that alone explains altitudes better.
+//! The force balance gives the climb x of the vehicle. Altitudes y that the receiver smooths lag behind
+//! it. The cross-covariance of two signals without a lag is symmetric, whatever noise they have:
+//! E[y x₋] = E[x y₋], where x₋ and y₋ are past values. The sign of the difference says which signal
+//! lags. The climb passes low-passes of several time constants; at that of the receiver, the
+//! difference is zero. A likelihood of residuals is biased: a low-pass takes noise off the climb, and
+//! that alone explains altitudes better.
 //!
 //! Once a time constant is certain, the low-pass is inverted.
 
 use super::cell_input::{CellInput, Reading};
+use super::low_pass::low_passed;
 use crate::cell::CELL_LENGTH_M;
-use crate::delay::Delay;
+use crate::delay::{BestFit, Delay};
 use crate::scalar::{Scalar, ln};
 use crate::tuning::Detection;
 
@@ -20,8 +21,8 @@ const CONSTANTS: usize = 14;
 const STEP_S: f32 = 3.0;
 /// Time over which means are taken off altitude and climb, s: errors of both are slower.
 const MEAN_S: f32 = 30.0;
-/// Time over which what was lately is taken, s.
-const LATELY_S: f32 = 5.0;
+/// Time over which past values are averaged, s.
+const PAST_S: f32 = 5.0;
 /// Time until the low-passes have forgotten their beginning, s.
 const BEGINNING_S: f32 = 25.0;
 /// Largest part of that time in which the force balance does not hold.
@@ -30,8 +31,6 @@ const MOST_INVALID: f32 = 0.3;
 const BLOCK_S: f32 = 10.0;
 /// Fewest blocks for a decision.
 const FEWEST_BLOCKS: f32 = 3.0;
-/// Evidence below which an estimated time constant is none.
-const TOO_LITTLE: f32 = 1.0;
 /// Shortest time between two altitudes that are compared, and between two that are inverted, s.
 const LEAST_APART_S: f32 = 0.75;
 /// Longest time between two altitudes of one low-pass, s.
@@ -39,15 +38,15 @@ const MOST_APART_S: f32 = 10.0;
 /// Climb from which on it is counted anew, m: single precision.
 const MOST_CLIMB_M: f32 = 1_000.0;
 
-/// A height, m, less its mean, and what that was lately.
+/// A height, m, less its mean, and past values of that.
 #[derive(Clone, Copy, Debug, Default)]
-struct Signal {
+struct Centred {
     mean_m: f32,
     value_m: f32,
-    lately_m: f32,
+    past_m: f32,
 }
 
-impl Signal {
+impl Centred {
     /// Takes a height, so long after the last one; the first one after a gap.
     fn take(&mut self, height_m: f32, since_s: f32, begins: bool) {
         if begins {
@@ -57,9 +56,9 @@ impl Signal {
             };
             return;
         }
-        self.mean_m += since_s / (MEAN_S + since_s) * (height_m - self.mean_m);
+        self.mean_m = low_passed(self.mean_m, height_m, since_s, MEAN_S);
         self.value_m = height_m - self.mean_m;
-        self.lately_m += since_s / (LATELY_S + since_s) * (self.value_m - self.lately_m);
+        self.past_m = low_passed(self.past_m, self.value_m, since_s, PAST_S);
     }
 }
 
@@ -67,7 +66,7 @@ impl Signal {
 #[derive(Clone, Copy, Debug, Default)]
 struct Lagging {
     height_m: f32,
-    signal: Signal,
+    climb: Centred,
     /// How much later the altitude is: sums of the open block, of all, and of their squares.
     block: f32,
     sum: f32,
@@ -101,7 +100,7 @@ pub(super) struct ReceiverLowPass {
     /// Height by the forces, m.
     climb_m: f32,
     lagging: [Lagging; CONSTANTS],
-    altitude: Signal,
+    altitude: Centred,
     /// Part of the last time in which the force balance did not hold.
     invalid: f32,
     /// Time since the low-passes began, since the last altitude, and of the open block, s.
@@ -122,7 +121,7 @@ impl ReceiverLowPass {
             is_given: false,
             climb_m: 0.0,
             lagging: [Lagging::default(); CONSTANTS],
-            altitude: Signal::default(),
+            altitude: Centred::default(),
             invalid: 0.0,
             duration_s: 0.0,
             since_altitude_s: f32::INFINITY,
@@ -150,12 +149,7 @@ impl ReceiverLowPass {
 
     /// Takes a cell, with the kinetic energy before and behind it. Inverts the altitude in it.
     #[inline(never)] // One copy: flash is small.
-    pub fn follow(
-        &mut self,
-        tuning: &Detection,
-        (before, after): (f32, f32),
-        cell: &mut CellInput,
-    ) {
+    pub fn follow(&mut self, tuning: &Detection, energies: (f32, f32), cell: &mut CellInput) {
         if cell.marks.receiver_switched && !self.is_given {
             *self = Self::new();
         }
@@ -166,7 +160,7 @@ impl ReceiverLowPass {
         }
         self.since_last_s += cell.duration_s;
         if !self.is_given {
-            self.climb(before, after, cell);
+            self.climb(energies, cell);
         }
         if !cell.altitude.is_some() {
             return;
@@ -182,19 +176,17 @@ impl ReceiverLowPass {
     }
 
     /// Adds the climb of a cell: what the work of all forces leaves of the kinetic energy.
-    fn climb(&mut self, before: f32, after: f32, cell: &CellInput) {
+    fn climb(&mut self, energies: (f32, f32), cell: &CellInput) {
         let duration_s = cell.duration_s;
         self.duration_s += duration_s;
         self.since_altitude_s += duration_s;
         let climb_m = if cell.marks.invalid || cell.marks.gap {
             duration_s * self.rate_mps(1)
         } else {
-            let percent =
-                (cell.keep_energy * before + cell.work - after) / (cell.keep_energy * cell.gravity);
-            0.01 * CELL_LENGTH_M * percent
+            0.01 * CELL_LENGTH_M * cell.read_percent(energies)
         };
         let is_invalid = f32::from(u8::from(cell.marks.invalid));
-        self.invalid += duration_s / (BEGINNING_S + duration_s) * (is_invalid - self.invalid);
+        self.invalid = low_passed(self.invalid, is_invalid, duration_s, BEGINNING_S);
         let base_m = if self.climb_m.abs() > MOST_CLIMB_M {
             self.climb_m
         } else {
@@ -203,9 +195,13 @@ impl ReceiverLowPass {
         self.climb_m += climb_m - base_m;
         for (index, lagging) in self.lagging.iter_mut().enumerate() {
             lagging.height_m -= base_m;
-            lagging.signal.mean_m -= base_m;
-            let gain = duration_s / (constant_s(index) + duration_s);
-            lagging.height_m += gain * (self.climb_m - lagging.height_m);
+            lagging.climb.mean_m -= base_m;
+            lagging.height_m = low_passed(
+                lagging.height_m,
+                self.climb_m,
+                duration_s,
+                constant_s(index),
+            );
         }
     }
 
@@ -234,11 +230,10 @@ impl ReceiverLowPass {
                 continue;
             };
             let height_m = lagging.height_m - age_s * rate_mps;
-            lagging.signal.take(height_m, since_s, begins);
+            lagging.climb.take(height_m, since_s, begins);
             if counts {
-                let climb = &lagging.signal;
-                lagging.block +=
-                    altitude.value_m * climb.lately_m - climb.value_m * altitude.lately_m;
+                let climb = &lagging.climb;
+                lagging.block += altitude.value_m * climb.past_m - climb.value_m * altitude.past_m;
             }
         }
         if counts {
@@ -263,47 +258,29 @@ impl ReceiverLowPass {
 
     /// Decides on the time constant. `enough` is the evidence that there is one.
     fn decide(&mut self, enough: f32) {
-        let Some(first) = self.lagging.first() else {
-            return;
-        };
-        let evidence = first.evidence(self.blocks);
         if self.blocks < FEWEST_BLOCKS {
             return;
         }
-        let mut found = self.crossing();
-        let mut needed = enough;
-        if let Delay::Estimated { delay_s, sigma_s } = self.delay {
-            // A drive that knows less than an earlier one follows it unless it contradicts.
-            let knows_less = match found {
-                Delay::Estimated { sigma_s: own_s, .. } => own_s > sigma_s,
-                Delay::Unestimated | Delay::Invalid => true,
-            };
-            let at = self.lagging.get((delay_s / STEP_S + 0.5) as usize);
-            if knows_less && at.is_some_and(|at| at.evidence(self.blocks).abs() < enough) {
-                return;
-            }
-            needed = TOO_LITTLE;
-        }
-        if let (Delay::Estimated { delay_s, sigma_s }, Some(held_s)) =
-            (found, self.delay.estimated_s())
-            && (delay_s - held_s).abs() < 0.5 * sigma_s
-        {
-            // Smaller changes are noise, and each one moves the altitudes.
-            found = Delay::Estimated {
-                delay_s: held_s,
-                sigma_s,
-            };
-        }
-        let is_short = matches!(found, Delay::Estimated { delay_s, .. } if delay_s < STEP_S);
-        self.delay = if evidence < needed || is_short {
+        let evidence_at = |constant_s: f32| {
+            let at = self.lagging.get((constant_s / STEP_S + 0.5) as usize);
+            at.map_or(f32::INFINITY, |at| at.evidence(self.blocks))
+        };
+        let held_s = self.delay.estimated_s();
+        let evidence_against = held_s.map_or(0.0, |held_s| evidence_at(held_s).abs());
+        let best = self.crossing();
+        let decided = self
+            .delay
+            .decided(best, evidence_at(0.0), evidence_against, enough);
+        let is_short = decided.estimated_s().is_some_and(|of| of < STEP_S);
+        self.delay = if is_short {
             Delay::Unestimated
         } else {
-            found
+            decided
         };
     }
 
-    /// Returns the time constant at which altitude and climb are in time.
-    fn crossing(&self) -> Delay {
+    /// Returns the time constant at which neither altitude nor climb lags.
+    fn crossing(&self) -> BestFit {
         let pairs = self.lagging.windows(2).enumerate();
         for (index, pair) in pairs {
             if let [late, early] = pair
@@ -311,13 +288,18 @@ impl ReceiverLowPass {
                 && early.sum <= 0.0
             {
                 let apart = late.sum - early.sum;
-                return Delay::Estimated {
+                return BestFit {
                     delay_s: constant_s(index) + STEP_S * late.sum / apart,
                     sigma_s: STEP_S * late.sigma(self.blocks) / apart,
+                    is_clear: true,
                 };
             }
         }
-        Delay::Invalid
+        BestFit {
+            delay_s: f32::INFINITY,
+            sigma_s: f32::INFINITY,
+            is_clear: false,
+        }
     }
 
     /// Returns an altitude before the low-pass of a time constant.

@@ -75,11 +75,13 @@ impl VehicleCells {
         self.low_pass.resume(altitude);
     }
 
-    /// Takes the low-pass of the receiver as known: no other one is looked for.
+    /// Creates what there is before the first cell, with a low-pass of the receiver that is known: no
+    /// other one is looked for.
     #[must_use]
-    pub fn with_low_pass(mut self, altitude: Delay) -> Self {
-        self.low_pass.keep(altitude);
-        self
+    pub fn with_low_pass(altitude: Delay) -> Self {
+        let mut cells = Self::new();
+        cells.low_pass.keep(altitude);
+        cells
     }
 
     /// Returns the low-pass of the receiver, as the drive shows it.
@@ -226,8 +228,7 @@ impl VehicleCells {
             .map(|inertial| inertial.acceleration_mps2 * CELL_LENGTH_M / per_percent);
         let gained_percent = (after - before) / per_percent;
         if !cell.marks.invalid && !cell.marks.crawling {
-            let model_percent =
-                (cell.keep_energy * before + cell.work - after) / (cell.keep_energy * cell.gravity);
+            let model_percent = cell.read_percent((before, after));
             if let Some(specific_percent) = specific_percent {
                 let slope_percent = specific_percent - gained_percent;
                 let sensor = &mut self.accelerometer;

@@ -2,6 +2,7 @@
 
 use super::accepted_ranges::ALTITUDES_M;
 use super::latest::Latest;
+use crate::angle::cos_deg;
 use crate::cell::CELL_LENGTH_M;
 use crate::sample::{AltitudeContinuity, AltitudeMeasurement};
 use crate::scalar::Scalar;
@@ -21,8 +22,6 @@ struct PositionFix {
 
 /// Units of 1e-7 degrees in a metre along a meridian.
 const UNITS_PER_M: f32 = 89.8;
-/// A unit of 1e-7 degrees.
-const RADIANS_PER_UNIT: f32 = 1.745_329_3e-9;
 /// Units of 1e-7 degrees of longitude in a metre at 85 degrees of latitude, the most of any road.
 const UNITS_PER_M_EAST: f32 = 1_031.0;
 /// A fix may be this far from the one before beyond what was driven, m: position errors, and steps
@@ -53,11 +52,7 @@ impl PositionFix {
     fn is_carried_from(&self, earlier: &Self) -> bool {
         let north = self.latitude_e7.wrapping_sub(earlier.latitude_e7) as f32;
         let east = self.longitude_e7.wrapping_sub(earlier.longitude_e7) as f32;
-        // The cosine of the latitude, within 0.001: that of a library is larger than all of this file.
-        let square = self.latitude_e7 as f32 * RADIANS_PER_UNIT;
-        let square = square * square;
-        let cosine = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square / 720.0));
-        let east = east * cosine;
+        let east = east * cos_deg(1e-7 * self.latitude_e7 as f32);
         let reach = UNITS_PER_M * CARRIED_M;
         north * north + east * east > reach * reach
     }

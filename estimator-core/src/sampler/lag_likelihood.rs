@@ -6,7 +6,7 @@
 //! least, `R` is a parabola: its place is the delay, its bend gives the sigma.
 
 use super::speed_slots::SLOT_S;
-use crate::delay::Delay;
+use crate::delay::{BestFit, Delay};
 use crate::scalar::{Scalar, ln};
 
 /// Comparisons before the first decision: a minute.
@@ -17,8 +17,6 @@ const MEAN_OF: f32 = 60.0;
 const MOST: f32 = 1.0;
 /// Largest correlation of one comparison with the next that is believed.
 const MOST_ALIKE: f32 = 0.9;
-/// Evidence below which an estimated delay is no other than the assumed one.
-const TOO_LITTLE: f32 = 1.0;
 /// Part of the variance at the worst lag that the best one has to explain, and can at most.
 const CLEAR: f32 = 0.06;
 const NEARLY_ALL: f32 = 0.9999;
@@ -183,32 +181,16 @@ impl LagLikelihood<[Sums]> {
 
     fn judged(&self, assumed_s: f32, enough: f32) -> Delay {
         let peak = self.peak();
-        let (mut delay_s, sigma_s) = (peak.lag_s, peak.sigma_s);
-        let mut needed = enough;
-        if let Delay::Estimated {
-            delay_s: held_s,
-            sigma_s: held_sigma_s,
-        } = self.delay
-        {
-            // A drive that knows less than an earlier one follows it unless it contradicts.
-            if sigma_s > held_sigma_s && self.evidence(&peak, held_s) < enough {
-                return self.delay;
-            }
-            needed = TOO_LITTLE;
-            // Smaller changes are noise, and each one moves the last fixes.
-            if (delay_s - held_s).abs() < 0.5 * sigma_s {
-                delay_s = held_s;
-            }
-        }
-        let tolerance_s = self.row.tolerance_s;
-        let apart_s = bounded(peak.lag_s - assumed_s, tolerance_s);
-        if self.evidence(&peak, assumed_s + apart_s) < needed {
-            Delay::Unestimated
-        } else if peak.is_clear {
-            Delay::Estimated { delay_s, sigma_s }
-        } else {
-            Delay::Invalid
-        }
+        let apart_s = bounded(peak.lag_s - assumed_s, self.row.tolerance_s);
+        let evidence = self.evidence(&peak, assumed_s + apart_s);
+        let held_s = self.delay.estimated_s();
+        let evidence_against = held_s.map_or(0.0, |held_s| self.evidence(&peak, held_s));
+        let best = BestFit {
+            delay_s: peak.lag_s,
+            sigma_s: peak.sigma_s,
+            is_clear: peak.is_clear,
+        };
+        self.delay.decided(best, evidence, evidence_against, enough)
     }
 
     /// Returns what regression leaves at a lag; infinity beyond the last.

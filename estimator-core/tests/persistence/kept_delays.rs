@@ -10,7 +10,6 @@ const LATE: Late = Late {
     traction_s: 1.0,
     altitude_s: 10.0,
 };
-const IN_TIME: Late = Late::NONE;
 
 /// What ten minutes with such delays leave.
 static KEPT: LazyLock<PersistentState> = LazyLock::new(|| {
@@ -57,7 +56,7 @@ fn a_kept_delay_stays_while_the_drive_agrees_or_shows_nothing() {
 #[test]
 fn a_kept_delay_that_the_drive_contradicts_is_dropped() {
     let mut drive = next_drive();
-    drive.on(600, IN_TIME);
+    drive.on(600, Late::IN_TIME);
     let delays = drive.estimator.delays();
     assert_eq!(delays.receiver, Delay::Unestimated);
     assert_eq!(delays.traction, Delay::Unestimated);

@@ -35,34 +35,29 @@ impl FoundDelay {
 /// Returns the delays of the vehicle of these drives.
 #[must_use]
 pub fn found(drives: &[Delays]) -> Vec<FoundDelay> {
-    let of = |what, effect, delay: fn(&Delays) -> Delay| {
+    const FOUND: &str = "an estimate finds it on each drive, and --kept keeps it";
+    const ADDED: &str = "what it lacks is added, with a larger sigma";
+    type Of = fn(&Delays) -> Delay;
+    let kinds: [(&str, &str, Of); 3] = [
+        ("The GNSS receiver is", FOUND, |delays| delays.receiver),
+        ("The traction force or torque is", ADDED, |delays| {
+            delays.traction
+        }),
+        (
+            "GNSS altitudes, behind a low-pass of the receiver, are",
+            FOUND,
+            |delays| delays.altitude,
+        ),
+    ];
+    let found = kinds.into_iter().filter_map(|(what, effect, delay)| {
         let seconds = mean(drives.iter().map(delay))?;
         Some(FoundDelay {
             what,
             effect,
             seconds,
         })
-    };
-    let receiver = of(
-        "The GNSS receiver is",
-        "an estimate finds it on each drive, and --kept keeps it",
-        |delays| delays.receiver,
-    );
-    let traction = of(
-        "The traction force or torque is",
-        "what it lacks is added, with a larger sigma",
-        |delays| delays.traction,
-    );
-    let altitude = of(
-        "GNSS altitudes, behind a low-pass of the receiver, are",
-        "an estimate finds it on each drive, and --kept keeps it",
-        |delays| delays.altitude,
-    );
-    receiver
-        .into_iter()
-        .chain(traction)
-        .chain(altitude)
-        .collect()
+    });
+    found.collect()
 }
 
 /// Returns what is not known of the receiver, if no drive shows its delay and one shows that it is

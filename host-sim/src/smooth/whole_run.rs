@@ -53,11 +53,9 @@ pub fn smooth_pieces<M: Samples>(
     let numbers = &context.tuning.estimation;
     let mut disagreements = Disagreements::default();
     let all = samples.count();
-    let maker = VehicleCells::default();
-    let mut maker = match known.altitude_delay {
-        Some(delay) => maker.with_low_pass(delay),
-        None => maker,
-    };
+    let mut maker = known
+        .altitude_delay
+        .map_or_else(VehicleCells::default, VehicleCells::with_low_pass);
     let (mut done, mut given) = (0, 0);
     while done < all {
         let end = (done + PIECE).min(all);

@@ -21,7 +21,7 @@ pub struct Late {
 
 impl Late {
     /// What comes in time.
-    pub const NONE: Self = Self {
+    pub const IN_TIME: Self = Self {
         receiver_s: 0.15,
         traction_s: 0.0,
         altitude_s: 0.0,

@@ -34,7 +34,7 @@ impl DraftTrack {
     }
 
     /// Adds the way to the network. `kind` and `number` name it, as the name does if it has one.
-    /// It tells how many points are left out, and why the first one is.
+    /// The draft notes how many points it leaves out, and why the first one.
     ///
     /// # Errors
     /// Returns an error if the network becomes too large.
