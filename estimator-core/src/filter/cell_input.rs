@@ -37,12 +37,16 @@ pub struct CellInput {
     pub wind_variance: f32,
     /// Speed as v²/2, m²/s².
     pub energy: Reading,
+    /// Distance from where it was taken to the cell's end, m.
+    pub energy_behind_m: f32,
     /// Distance since the reading before, m.
     pub since_speed_m: f32,
     /// What a tyre slip of one adds to that reading, m²/s².
     pub energy_per_slip: f32,
     /// GNSS altitude above the first one, m.
     pub altitude: Reading,
+    /// Distance from where it was taken to the cell's end, m.
+    pub altitude_behind_m: f32,
     /// Slope of the road that a sensor measures directly, %.
     pub slope: Reading,
     /// Sigma of the force of a torque that rested here, as a slope, %.
@@ -70,8 +74,6 @@ impl CellInput {
 pub struct Reading {
     /// The value; NaN where there is none.
     pub value: f32,
-    /// Distance from where it was taken to the cell's end, m.
-    pub behind_m: f32,
     /// Base variance of its noise.
     pub variance: f32,
 }
@@ -80,7 +82,6 @@ impl Reading {
     /// No measurement.
     pub const NONE: Self = Self {
         value: f32::NAN,
-        behind_m: 0.0,
         variance: 1.0,
     };
 

@@ -153,7 +153,7 @@ impl ReceiverLowPass {
         if cell.marks.receiver_switched && !self.is_given {
             *self = Self::new();
         }
-        if cell.marks.gap {
+        if cell.marks.gap || cell.marks.receiver_switched {
             self.duration_s = 0.0;
             self.since_altitude_s = f32::INFINITY;
             self.last_m = None;
@@ -220,7 +220,7 @@ impl ReceiverLowPass {
         if begins {
             self.duration_s = 0.0;
         }
-        let age_s = cell.altitude.behind_m / Scalar::max(1.0, cell.speed_mps);
+        let age_s = cell.altitude_behind_m / Scalar::max(1.0, cell.speed_mps);
         self.altitude.take(cell.altitude.value, since_s, begins);
         let counts = self.duration_s > BEGINNING_S && self.invalid < MOST_INVALID;
         for index in 0..CONSTANTS {
@@ -319,7 +319,6 @@ impl ReceiverLowPass {
         Reading {
             value,
             variance: altitude.variance + sigma_m * sigma_m,
-            ..*altitude
         }
     }
 }

@@ -214,7 +214,7 @@ impl<S: Scalar> State<S> {
             (None, false)
         };
         record.altitude = if cell.altitude.is_some() {
-            Some(self.update_altitude(&cell.altitude, noise.altitude, gate))
+            Some(self.update_altitude(cell, noise.altitude, gate))
         } else {
             None
         };

@@ -176,9 +176,11 @@ impl VehicleCells {
             effect_variance: effects.bias_variance + forces.cold_tyres_variance(),
             wind_variance: forces.wind_variance(),
             energy: speed(numbers, sample),
+            energy_behind_m: sample.speed.map_or(0.0, |of| of.behind_m),
             since_speed_m,
             energy_per_slip: mps * mps * 0.01 * forces.percent(sample.forces.traction_n),
             altitude: self.altitude(numbers, sample),
+            altitude_behind_m: sample.altitude.map_or(0.0, |of| of.behind_m),
             slope: vertical_speed(numbers, sample),
             rest_percent: forces.resting_percent(),
             marks,
@@ -269,7 +271,6 @@ impl VehicleCells {
             cell.marks.slope_is_read = true;
             cell.slope = Reading {
                 value: slope_percent,
-                behind_m: 0.0,
                 variance: variance + square(error_percent(gained_percent)),
             };
         }
@@ -300,7 +301,6 @@ impl VehicleCells {
         let origin_m = *self.origin_m.get_or_insert(altitude.altitude_m);
         Reading {
             value: altitude.altitude_m - origin_m,
-            behind_m: altitude.behind_m,
             variance: square(numbers.altitude_noise_m * altitude.dilution),
         }
     }
@@ -455,7 +455,6 @@ fn vertical_speed(numbers: &Numbers, sample: &Sample) -> Reading {
         let sigma = 100.0 * numbers.vertical_speed_noise_mps / sample.end.speed_mps;
         Reading {
             value: slope.slope_percent,
-            behind_m: 0.0,
             variance: square(sigma),
         }
     })
@@ -477,7 +476,6 @@ fn speed(numbers: &Numbers, sample: &Sample) -> Reading {
     let count = f32::from(speed.count.max(1));
     Reading {
         value: 0.5 * mps * mps,
-        behind_m: speed.behind_m,
         // d(v²/2) = v dv, and dv²/2 where v is no larger than its noise.
         variance: mps * mps * (variance / count + step) + 0.5 * variance * variance,
     }

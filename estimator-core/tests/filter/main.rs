@@ -1,4 +1,5 @@
-//! The filter on samples: the mass, and sensors on the body.
+//! The filter on samples: the mass, sensors on the body, and a receiver with a low-pass.
 
 mod gross_mass;
+mod receiver_low_pass;
 mod sensors;

@@ -22,12 +22,13 @@ pub const LEVEL: CellInput = CellInput {
     wind_variance: 0.003,
     energy: Reading {
         value: 200.0,
-        behind_m: 1.0,
         variance: 0.05,
     },
+    energy_behind_m: 1.0,
     since_speed_m: 2.5,
     energy_per_slip: 4.0,
     altitude: Reading::NONE,
+    altitude_behind_m: 0.0,
     slope: Reading::NONE,
     rest_percent: 0.0,
     marks: Marks {
@@ -59,7 +60,6 @@ pub fn first() -> CellInput {
 pub const fn fix(altitude_m: f32) -> Reading {
     Reading {
         value: altitude_m,
-        behind_m: 0.0,
         variance: 0.09,
     }
 }

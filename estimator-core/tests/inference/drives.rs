@@ -50,7 +50,7 @@ fn drive(of: Drive, seed: u64) -> (Vec<CellInput>, Vec<f64>) {
             ..LEVEL
         };
         cell.energy.value = measured as f32;
-        cell.energy.behind_m = 0.0;
+        cell.energy_behind_m = 0.0;
         cell.energy_per_slip = 0.0;
         if k % 8 == 0 {
             let outlier = if k % 400 == 0 { of.outlier_m } else { 0.0 };

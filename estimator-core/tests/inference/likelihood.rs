@@ -93,7 +93,7 @@ proptest! {
         cells.insert(0, first());
         // Readings where they do not depend on the state.
         for cell in &mut cells {
-            cell.energy.behind_m = 0.0;
+            cell.energy_behind_m = 0.0;
         }
         let changed = match which {
             9 => Changed::Load,

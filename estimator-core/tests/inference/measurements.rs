@@ -47,7 +47,6 @@ fn any_drive() -> impl Strategy<Value = Vec<CellInput>> {
         let last = cells.last_mut().unwrap();
         last.slope = slope.map_or(Reading::NONE, |value| Reading {
             value,
-            behind_m: 0.0,
             variance: 0.5,
         });
         last.marks.slope_is_read = is_read;

@@ -30,9 +30,11 @@ pub fn ours(meter: &mut impl FilterMeter) {
         effect_variance: 0.0,
         wind_variance: 0.01,
         energy: Reading::NONE,
+        energy_behind_m: 0.0,
         since_speed_m: CELL_LENGTH_M,
         energy_per_slip: 4.0,
         altitude: Reading::NONE,
+        altitude_behind_m: 0.0,
         slope: Reading::NONE,
         rest_percent: 0.0,
         marks: Marks::default(),
@@ -67,7 +69,6 @@ pub fn ours(meter: &mut impl FilterMeter) {
     meter.measure(bytes, |[speed_mps, altitude_m]| {
         let reading = |value: Real| Reading {
             value: value as f32,
-            behind_m: 0.0,
             variance: 4.0,
         };
         let cell = CellInput {

@@ -2,7 +2,7 @@
 
 use super::applied::Update;
 use super::row::Row;
-use crate::filter::cell_input::Reading;
+use crate::filter::cell_input::CellInput;
 use crate::filter::state::{Quantity, State};
 use crate::filter::state_index::StateIndex::{Altitude, FastGnssError, SlowGnssError};
 use crate::scalar::Scalar;
@@ -18,13 +18,14 @@ impl<S: Scalar> State<S> {
     #[inline(always)]
     pub(in crate::filter) fn update_altitude(
         &mut self,
-        reading: &Reading,
+        cell: &CellInput,
         variance: S,
         gate: Option<S>,
     ) -> Update<S> {
         let row = row();
         let slope = self.mean_of(Quantity::RoadSlope);
-        let measured = S::from_f32(reading.value) + S::from_f32(0.01 * reading.behind_m) * slope;
+        let rise = S::from_f32(0.01 * cell.altitude_behind_m) * slope;
+        let measured = S::from_f32(cell.altitude.value) + rise;
         let cross = row.cross(&self.covariance);
         let innovation = measured - row.of(&self.mean);
         let innovation_variance = row.of(&cross) + variance;

@@ -32,7 +32,7 @@ impl<S: Scalar> State<S> {
     ) -> (Update<S>, bool) {
         let row = row(cell);
         let energy = self.mean[KineticEnergy as usize];
-        let behind = S::from_f32(cell.energy.behind_m * (1.0 / CELL_LENGTH_M));
+        let behind = S::from_f32(cell.energy_behind_m * (1.0 / CELL_LENGTH_M));
         let measured = S::from_f32(cell.energy.value) + behind * (energy - energy_before);
         let mut cross = row.cross(&self.covariance);
         let innovation = measured - row.of(&self.mean);
