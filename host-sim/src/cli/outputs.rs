@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result, on_one_line};
 use crate::files::output::{is_stdout, is_written_through};
+use crate::files::parquet::check_output;
 use crate::files::same::handle;
 use crate::terminal::print::leave_stdout;
 use same_file::Handle;
@@ -45,6 +46,7 @@ pub(super) fn check<'p>(
 /// # Errors
 /// Returns a usage error that names the formats, or an error that names the missing folder.
 pub(super) fn check_file(path: &Path, endings: &[&str]) -> Result<()> {
+    check_output(path)?;
     if is_written_through(path) {
         return check_folder(path);
     }

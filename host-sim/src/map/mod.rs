@@ -40,6 +40,7 @@ pub use io::map_file::{
 pub use io::map_geojson::{segments as map_segments, stage as stage_map_geojson};
 pub use io::map_gpx::stage as stage_map_gpx;
 pub use io::map_kml::stage as stage_map_kml;
+#[cfg(feature = "parquet")]
 pub use io::map_parquet::table as map_table;
 pub use io::network_file::{read as read_network, road_through};
 pub use io::network_geojson::is_geojson;

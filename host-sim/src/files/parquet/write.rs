@@ -1,5 +1,6 @@
 //! Tables that are written.
 
+use super::GEO;
 use crate::error::{Error, Result};
 use crate::files::output::{Staged, Writing};
 use arrow_array::types::{Float32Type, Float64Type, Int64Type};
@@ -14,11 +15,6 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What altitudes refer to, in the metadata of files: the receiver decides.
-pub const VERTICAL_DATUM: &str =
-    "mean sea level, as the GNSS receiver reports it (by its own geoid model)";
-/// Key of the metadata of GeoParquet, which has no prefix.
-pub const GEO: &str = "geo";
 /// Number of rows of a row group (164 km). A group is encoded in memory before it is written.
 const ROW_GROUP_ROWS: usize = 65_536;
 

@@ -8,7 +8,6 @@ use crate::files::csv::{CsvTable, read_records};
 use crate::files::kind::{self, Kind};
 use crate::files::limits;
 use crate::files::parquet::is_parquet;
-use arrow_array::RecordBatch;
 use std::path::Path;
 
 /// Writes a run: as Parquet if the name ends in .parquet, else as CSV.
@@ -44,7 +43,8 @@ pub fn write_rows(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Resul
 ///
 /// # Errors
 /// Returns the error of the rows.
-pub fn table(rows: &mut dyn RunRows, origin: &Origin) -> Result<RecordBatch> {
+#[cfg(feature = "parquet")]
+pub fn table(rows: &mut dyn RunRows, origin: &Origin) -> Result<arrow_array::RecordBatch> {
     parquet::in_memory(&mut Rounded(rows), origin)
 }
 

@@ -7,6 +7,8 @@ mod row;
 
 pub use cell::{RunCell, RunHash, RunIdentity};
 pub(crate) use file::read_cells_into;
-pub use file::{each_cell, identity, read, read_cells, table, write, write_from, write_rows};
+#[cfg(feature = "parquet")]
+pub use file::table;
+pub use file::{each_cell, identity, read, read_cells, write, write_from, write_rows};
 pub use parquet::{Origin, outline, session};
 pub use row::{RunRow, RunRows};

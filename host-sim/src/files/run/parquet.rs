@@ -7,10 +7,9 @@ use crate::files::columns::{self, Column};
 use crate::files::limits;
 use crate::files::output::Staged;
 use crate::files::parquet::{
-    self, NumberColumn, Opened, ParquetColumn, TableWriter, VERTICAL_DATUM, open,
+    NumberColumn, Opened, ParquetColumn, TableWriter, VERTICAL_DATUM, open,
 };
 use crate::files::row_check::Flaw;
-use arrow_array::RecordBatch;
 use std::path::Path;
 
 /// Version of the columns, in the metadata of the file.
@@ -87,14 +86,15 @@ pub fn stage(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Result<Sta
 ///
 /// # Errors
 /// Returns the error of the rows.
-pub fn in_memory(rows: &mut dyn RunRows, origin: &Origin) -> Result<RecordBatch> {
+#[cfg(feature = "parquet")]
+pub fn in_memory(rows: &mut dyn RunRows, origin: &Origin) -> Result<arrow_array::RecordBatch> {
     let mut all = Vec::new();
     rows.each(&mut |row| {
         all.push(*row);
         Ok(())
     })?;
     let metadata = metadata(&mut &*all, origin)?;
-    Ok(parquet::in_memory(columns(&all), &metadata))
+    Ok(crate::files::parquet::in_memory(columns(&all), &metadata))
 }
 
 /// Returns the metadata of a file with these rows.

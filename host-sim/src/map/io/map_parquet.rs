@@ -6,13 +6,10 @@ use crate::error::{Error, Result};
 use crate::files::geo_parquet;
 use crate::files::limits::{MAP_ROWS, ROAD_ROWS};
 use crate::files::output::Staged;
-use crate::files::parquet::{
-    GEO, ParquetColumn, VERTICAL_DATUM, in_memory, open, stage as stage_parquet,
-};
+use crate::files::parquet::{GEO, ParquetColumn, VERTICAL_DATUM, open, stage as stage_parquet};
 use crate::files::row_check::Flaw;
 use crate::map::fusion::map_row::{MapRow, WayRows};
 use crate::map::geometry::way_name::WayName;
-use arrow_array::RecordBatch;
 use std::path::Path;
 
 /// Version of the columns, in the metadata of the files.
@@ -27,9 +24,10 @@ pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
 }
 
 /// Returns a map as a table in memory.
+#[cfg(feature = "parquet")]
 #[must_use]
-pub fn table(ways: &[WayRows]) -> RecordBatch {
-    in_memory(columns(ways), &metadata(ways))
+pub fn table(ways: &[WayRows]) -> arrow_array::RecordBatch {
+    crate::files::parquet::in_memory(columns(ways), &metadata(ways))
 }
 
 fn columns(ways: &[WayRows]) -> Vec<ParquetColumn> {

@@ -1,11 +1,9 @@
 //! The roads of an OpenStreetMap extract (.osm.pbf), or of its XML (.osm).
 
-use super::osm_xml;
-use super::pbf::for_each_block;
 use super::roads::{OsmExtract, Roads};
+use super::{osm_xml, pbf};
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
-use osmpbf::Element;
 use std::path::Path;
 
 /// Reads the roads of an extract. Ways come after their nodes, so the file is read twice: memory
@@ -21,7 +19,7 @@ pub fn read(path: &Path) -> Result<OsmExtract> {
     if is_xml {
         osm_xml::read_ways(path, &mut roads)?;
     } else {
-        read_ways(path, &mut roads)?;
+        pbf::read_ways(path, &mut roads)?;
     }
     if roads.roads.is_empty() {
         let problem = "no roads; expected ways with a highway for vehicles";
@@ -31,33 +29,7 @@ pub fn read(path: &Path) -> Result<OsmExtract> {
     if is_xml {
         osm_xml::read_nodes(path, &mut roads)?;
     } else {
-        read_nodes(path, &mut roads)?;
+        pbf::read_nodes(path, &mut roads)?;
     }
     Ok(roads.done())
-}
-
-fn read_ways(path: &Path, roads: &mut Roads) -> Result<()> {
-    for_each_block(path, |block| {
-        for way in block.groups().flat_map(|group| group.ways()) {
-            let tag = |key: &str| way.tags().find(|(k, _)| *k == key).map(|(_, value)| value);
-            roads.way(way.id(), way.refs().collect(), tag)?;
-            for (node, place) in way.refs().zip(way.node_locations()) {
-                roads.node(node, (place.lat(), place.lon()));
-            }
-        }
-        Ok(())
-    })
-}
-
-fn read_nodes(path: &Path, roads: &mut Roads) -> Result<()> {
-    for_each_block(path, |block| {
-        for element in block.elements() {
-            match element {
-                Element::Node(node) => roads.node(node.id(), (node.lat(), node.lon())),
-                Element::DenseNode(node) => roads.node(node.id(), (node.lat(), node.lon())),
-                _ => {}
-            }
-        }
-        Ok(())
-    })
 }

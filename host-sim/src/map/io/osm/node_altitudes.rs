@@ -6,14 +6,13 @@
 //! an osmChange (<https://wiki.openstreetmap.org/wiki/OsmChange>) that `osmium apply-changes` puts
 //! into a copy of the extract. OpenStreetMap itself does not want such tags.
 
-use super::pbf::for_each_block;
+use super::pbf;
 use super::roads::OsmExtract;
 use super::xml::Attribute;
 use crate::error::{Error, Result};
 use crate::files::output::{Staged, stage as stage_file};
 use crate::map::geometry::plane::chord_m;
 use crate::map::slopes::profile::WayProfile;
-use osmpbf::Element;
 use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
@@ -92,35 +91,23 @@ fn changed(
     altitudes: &BTreeMap<i64, f64>,
 ) -> Result<BTreeMap<i64, Changed>> {
     let mut nodes = BTreeMap::new();
-    for_each_block(path, |block| {
-        for element in block.elements() {
-            let (id, version, tags): (_, _, Vec<_>) = match &element {
-                Element::Node(node) => (node.id(), node.info().version(), owned(node.tags())),
-                Element::DenseNode(node) => (
-                    node.id(),
-                    node.info().map(|info| info.version()),
-                    owned(node.tags()),
-                ),
-                _ => continue,
-            };
-            let Some(&altitude_m) = altitudes.get(&id) else {
-                continue;
-            };
-            let changed = Changed {
-                version: version.unwrap_or(0).clamp(0, i32::MAX - 1) + 1,
-                place: extract.positions[&id],
-                tags,
-                altitude_m,
-            };
-            nodes.insert(id, changed);
-        }
-        Ok(())
+    pbf::for_each_node(path, |id, version, tags| {
+        let Some(&altitude_m) = altitudes.get(&id) else {
+            return;
+        };
+        let changed = Changed {
+            version: version.unwrap_or(0).clamp(0, i32::MAX - 1) + 1,
+            place: extract.positions[&id],
+            tags: owned(tags),
+            altitude_m,
+        };
+        nodes.insert(id, changed);
     })?;
     Ok(nodes)
 }
 
 /// Returns the tags but `ele`.
-fn owned<'t>(tags: impl Iterator<Item = (&'t str, &'t str)>) -> Vec<(String, String)> {
+fn owned<'k, 'v>(tags: impl Iterator<Item = (&'k str, &'v str)>) -> Vec<(String, String)> {
     tags.filter(|(key, _)| *key != "ele")
         .map(|(key, value)| (key.to_owned(), value.to_owned()))
         .collect()

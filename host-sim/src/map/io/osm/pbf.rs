@@ -1,8 +1,9 @@
-//! The blocks of an OpenStreetMap file in PBF
+//! Ways and nodes of an OpenStreetMap file in PBF
 //! (<https://wiki.openstreetmap.org/wiki/PBF_Format>).
 
+use super::roads::Roads;
 use crate::error::{Error, Result};
-use osmpbf::{BlobDecode, BlobReader, PrimitiveBlock};
+use osmpbf::{BlobDecode, BlobReader, Element, PrimitiveBlock};
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -13,12 +14,69 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 const FEATURES: [&str; 2] = ["OsmSchema-V0.6", "DenseNodes"];
 const EXPECTED: &str = "expected a whole OpenStreetMap extract (.osm.pbf)";
 
+/// Reads the ways that are roads, and the places of their nodes where the ways have them.
+///
+/// # Errors
+/// Returns an error that names the block, and what was expected.
+pub(super) fn read_ways(path: &Path, roads: &mut Roads) -> Result<()> {
+    for_each_block(path, |block| {
+        for way in block.groups().flat_map(|group| group.ways()) {
+            let tag = |key: &str| way.tags().find(|(k, _)| *k == key).map(|(_, value)| value);
+            roads.way(way.id(), way.refs().collect(), tag)?;
+            for (node, place) in way.refs().zip(way.node_locations()) {
+                roads.node(node, (place.lat(), place.lon()));
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Reads the nodes of the roads.
+///
+/// # Errors
+/// Returns an error that names the block, and what was expected.
+pub(super) fn read_nodes(path: &Path, roads: &mut Roads) -> Result<()> {
+    for_each_block(path, |block| {
+        for element in block.elements() {
+            match element {
+                Element::Node(node) => roads.node(node.id(), (node.lat(), node.lon())),
+                Element::DenseNode(node) => roads.node(node.id(), (node.lat(), node.lon())),
+                _ => {}
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Calls a function with number, version and tags of each node.
+///
+/// # Errors
+/// Returns an error that names the block, and what was expected.
+pub(super) fn for_each_node(
+    path: &Path,
+    mut take: impl FnMut(i64, Option<i32>, &mut dyn Iterator<Item = (&str, &str)>),
+) -> Result<()> {
+    for_each_block(path, |block| {
+        for element in block.elements() {
+            match element {
+                Element::Node(node) => take(node.id(), node.info().version(), &mut node.tags()),
+                Element::DenseNode(node) => {
+                    let version = node.info().map(|info| info.version());
+                    take(node.id(), version, &mut node.tags());
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    })
+}
+
 /// Calls a function with each block of the file.
 ///
 /// # Errors
 /// Returns an error for a file that is damaged or cut off, or that requires features which this
 /// reader lacks; and the first error of the function.
-pub(super) fn for_each_block(
+fn for_each_block(
     path: &Path,
     mut take: impl FnMut(&PrimitiveBlock) -> std::result::Result<(), String>,
 ) -> Result<()> {
