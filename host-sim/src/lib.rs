@@ -24,5 +24,6 @@ pub mod score;
 pub mod simulator;
 pub mod smooth;
 pub mod source;
+#[cfg(feature = "studies")]
 pub mod study;
 pub mod terminal;

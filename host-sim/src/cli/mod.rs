@@ -30,6 +30,10 @@ mod run_page;
 mod score;
 mod shell;
 mod simulate;
+#[cfg(feature = "studies")]
+mod study;
+#[cfg(not(feature = "studies"))]
+#[path = "without_study.rs"]
 mod study;
 mod told;
 mod tuning_option;

@@ -65,7 +65,7 @@ pub struct Profile {
 }
 
 /// Weight over mass, m/s².
-pub(crate) const G: f64 = GRAVITY as f64;
+pub const G: f64 = GRAVITY as f64;
 
 /// Returns the grade (%) from the sine of its slope angle.
 pub(super) fn percent_of_sine(sine: f64) -> f64 {

@@ -15,6 +15,5 @@ pub mod modified;
 pub mod original;
 pub mod pointwise;
 
-pub(crate) use drive::G;
-pub use drive::{MeasuredDrive, MeasuredPoint, Profile, STEP_M, moving_mean, without_gaps};
+pub use drive::{G, MeasuredDrive, MeasuredPoint, Profile, STEP_M, moving_mean, without_gaps};
 pub use method::ComparisonMethod;
