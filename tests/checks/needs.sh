@@ -6,14 +6,15 @@ declare -rA package_of=(
     [qemu-system-arm]=qemu-system-arm
     [qemu-system-x86_64]=qemu-system-x86 [busybox]=busybox-static
     [ip]=iproute2 [candump]=can-utils
-    [java]=default-jre-headless
     [gcc]=gcc [clang]=clang
-    [chromium]=chromium
     [arm-none-eabi-gcc]='gcc-arm-none-eabi libnewlib-arm-none-eabi'
 )
+# Those that checks outside CI need, which install them when they begin.
+declare -rA package_apart_of=([java]=default-jre-headless [chromium]=chromium
+    [x86_64-w64-mingw32-gcc]=gcc-mingw-w64-x86-64 [wine]='wine wine64')
 readonly board=thumbv7em-none-eabihf # Cortex-M4F
 readonly small=thumbv6m-none-eabi    # Cortex-M0: no float unit, no compare-and-swap
-readonly python_packages=(cantools duckdb pyspark 'moto[server]')
+readonly python_packages=(cantools)
 readonly python=$target/python/bin/python
 
 check_setup() {
@@ -51,13 +52,17 @@ await_setup() {
 
 # --- programs ------------------------------------------------------------------------------------
 
+# What is used counts: a compiler for boards without its C library compiles nothing.
 has_program() {
-    command -v "$1" >/dev/null
+    command -v "$1" >/dev/null || return 1
+    [[ $1 != arm-none-eabi-gcc || -f $("$1" -print-file-name=rdimon.specs) ]]
 }
 
 need_program() {
     has_program "$1" || await_setup
-    has_program "$1" || skip "$1 is not installed"
+    # shellcheck disable=SC2086 # A program may need several packages.
+    has_program "$1" || [[ ! -v package_apart_of[$1] ]] || install_packages ${package_apart_of[$1]} || true
+    has_program "$1" || skip "$1 is not installed, or lacks a part"
 }
 
 # Installs the packages of Debian and of Python at the same time.
@@ -77,9 +82,18 @@ install_packages() {
         echo "$*: there is no apt-get to install them with"
         return 1
     fi
-    local install=(env DEBIAN_FRONTEND=noninteractive
-        apt-get install -y -q --no-install-recommends "$@")
-    as_root "${install[@]}" || { as_root apt-get update -q && as_root "${install[@]}"; }
+    # Nothing that is there is removed. One package that cannot be installed so costs itself.
+    local package status=0 install=(env DEBIAN_FRONTEND=noninteractive
+        apt-get install -y -q --no-remove --no-install-recommends)
+    as_root "${install[@]}" "$@" && return
+    as_root apt-get update -q
+    as_root "${install[@]}" "$@" && return
+    for package in "$@"; do
+        as_root "${install[@]}" "$package" && continue
+        status=1
+        echo "$package: not installed; apt-get install $package says what it would remove, or what is missing"
+    done
+    return "$status"
 }
 
 as_root() {

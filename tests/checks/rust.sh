@@ -19,8 +19,20 @@ check_format() {
     done
     # A macro declares these files, so cargo does not see them.
     rustfmt --check --edition 2024 estimator-core/src/effect/*.rs
+    check_subjects
     if has_program shellcheck; then
         shellcheck tests/run tests/checks/*.sh tests/vcan/machine tests/benches/run
+    fi
+}
+
+# The subjects of the last commits: scope and imperative, at most 60 characters.
+check_subjects() {
+    local wrong
+    wrong=$(git log -5 --no-merges --format=%s 2>/dev/null | grep -vE '^[a-z0-9_-]+(, [a-z0-9_-]+)*: .' || true
+        git log -5 --no-merges --format=%s 2>/dev/null | grep -E '^.{61}' || true)
+    if [[ -n $wrong ]]; then
+        printf 'commit subjects; expected "scope: imperative", at most 60 characters:\n%s\n' "$wrong"
+        return 1
     fi
 }
 

@@ -20,7 +20,7 @@ check_sql() {
     done
     await_setup
     compare_sql duckdb duckdb || status=1
-    if has_program java; then
+    if (need_program java); then
         # Only this machine needs to reach it.
         export SPARK_LOCAL_IP=127.0.0.1
         compare_sql spark pyspark || status=1

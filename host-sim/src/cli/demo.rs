@@ -34,7 +34,7 @@ pub struct Args {
     #[command(flatten)]
     tuning: TuningOption,
     /// Print the scores as JSON instead of a table.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
 }
 

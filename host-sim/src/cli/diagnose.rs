@@ -16,7 +16,8 @@ use std::path::PathBuf;
 /// Arguments of `diagnose`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "The command tests each effect of the catalogue. It predicts how the effect would change the \
+    after_help = "Example:\n  roadgrade diagnose --vehicle V.toml --out found mon.log tue.log --holdout wed.log",
+    after_long_help = "The command tests each effect of the catalogue. It predicts how the effect would change the \
     reported GNSS altitudes, and compares that with the usual errors of GNSS, wind and road. An \
     effect is adopted if the evidence for it is strong and the held-out drives do not contradict \
     it. The report also names effects that these drives cannot separate from an adopted one, and \
@@ -40,10 +41,10 @@ pub struct Args {
     reference: Option<PathBuf>,
     /// Signal that is evidence beside the altitudes, and a judge of before and after:
     /// longitudinal_acceleration_mps2. The estimates do not see it.
-    #[arg(long, value_name = "SIGNAL", value_parser = reference_signal)]
+    #[arg(long, value_name = "SIGNAL", value_parser = reference_signal, hide_short_help = true)]
     reference_signal: Option<Signal>,
     /// Folder of SRTM tiles (N47E008.hgt): before and after are told against terrain, too.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", hide_short_help = true)]
     terrain: Option<PathBuf>,
     /// Logs for validation only. They are not fitted. The errors before and after are computed on
     /// them. Default: the last log, if there are three or more.
@@ -54,7 +55,7 @@ pub struct Args {
     #[command(flatten)]
     reading: LogOptions,
     /// Print report.json instead of tables.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
     /// Drives of one vehicle: logs of frames (candump, ASC, TRC, BLF, MDF 4, CSV of other programs),
     /// decoded signals (MDF 4) or signal tables.

@@ -24,7 +24,9 @@ use std::time::Instant as Clock;
 
 /// Arguments of `estimate`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "\
+#[command(
+    after_help = "Example:\n  roadgrade estimate --vehicle V.toml --out run.csv drive.log",
+    after_long_help = "\
 Required signals: wheel speed (CCVS1 or EBC2), engine torque (EEC1) and friction (EEC3), the gear \
 (ETC2, or engine speed, from which the estimator derives it), GNSS altitude (129029, or VDS). A \
 signal table has the same signals as columns. `roadgrade inspect LOG` lists the signals of a log.
@@ -45,7 +47,8 @@ as Hive partitions.
 
 --innovations FILE.csv is what speed, altitude and slope said beside what the filter predicted of them, one row each, with the variances that the whole run implies. test_ratio is the squared innovation over its variance, one on average; weight is low where later measurements contradict. The columns are in docs/formats.md.
 
-A drive may have any length. Memory use is constant. A temporary file (in TMPDIR) takes 140 kB per kilometre, 190 kB with --innovations.")]
+A drive may have any length. Memory use is constant. A temporary file (in TMPDIR) takes 140 kB per kilometre, 190 kB with --innovations."
+)]
 pub struct Args {
     /// Vehicle parameters.
     #[arg(long, value_name = "V.toml")]
@@ -54,17 +57,23 @@ pub struct Args {
     #[arg(long, value_name = "RUN", required_unless_present = "dataset")]
     out: Option<PathBuf>,
     /// Data set folder for the run, as DIR/tile=N47E008/day=DAY/LOG.parquet.
-    #[arg(long, value_name = "DIR", conflicts_with = "out", requires = "day")]
+    #[arg(
+        long,
+        value_name = "DIR",
+        conflicts_with = "out",
+        requires = "day",
+        hide_short_help = true
+    )]
     dataset: Option<PathBuf>,
     /// Day of the drive. Vehicle name and day together name the session of a Parquet run.
-    #[arg(long, value_name = "YYYY-MM-DD", value_parser = data_set::check_day)]
+    #[arg(long, value_name = "YYYY-MM-DD", value_parser = data_set::check_day, hide_short_help = true)]
     day: Option<String>,
     /// Page that draws the run: plan, profile, sigma.
     #[arg(long, value_name = "FILE.html")]
     page: Option<PathBuf>,
     /// File for the innovations of the smoothing pass (CSV), for tuning and review: one row for each
     /// measurement.
-    #[arg(long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv", hide_short_help = true)]
     innovations: Option<PathBuf>,
     /// Packed map, as `pack` writes it. The live grade is combined with its grade. Smoothed and lagged
     /// grades are not.
@@ -80,10 +89,10 @@ pub struct Args {
     #[command(flatten)]
     reading: LogOptions,
     /// Compute in double precision instead of single precision.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     double: bool,
     /// Print the summary as JSON.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
     /// Log of frames (candump, ASC, TRC, BLF, MDF 4, pcap, BUSMASTER, CSV of SavvyCAN, python-can or
     /// CANedge, NMEA 2000 as text), decoded signals (MDF 4) or signal table (.csv); plain, gzip or zstd; -

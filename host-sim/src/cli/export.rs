@@ -15,7 +15,8 @@ use std::path::PathBuf;
 /// Arguments of `export`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "GeoJSON (RFC 7946, WGS 84): one line for each segment of a way without a gap. It has the length, \
+    after_help = "Example:\n  roadgrade export map.csv --out map.geojson",
+    after_long_help = "GeoJSON (RFC 7946, WGS 84): one line for each segment of a way without a gap. It has the length, \
     the mean grade and the mean sigma, and arrays with one value per position: distances_m, \
     grades_percent, grade_sigmas_percent, altitudes_m, runs. With --pieces the lines are short and \
     have scalar properties only; QGIS and geopandas can colour them by grade_percent. The sigma of \
@@ -66,7 +67,7 @@ pub struct Args {
     #[command(flatten)]
     slopes: SlopeArgs,
     /// Print what was written as JSON.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
 }
 

@@ -14,7 +14,8 @@ use std::path::PathBuf;
 /// Arguments of `fuse`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Each run is matched to the road by position and course; the odometer bridges the gaps between \
+    after_help = "Example:\n  roadgrade fuse --out map.csv monday.csv tuesday.csv",
+    after_long_help = "Each run is matched to the road by position and course; the odometer bridges the gaps between \
     positions. Cells off the road, on crossing roads or in the opposite direction are not used. \
     Smoothed grades and altitudes are then averaged every 2.5 m with inverse-variance weights. \
     A cell that its run marks as suspect counts with four times its sigma. Cells that no run covers \
@@ -71,10 +72,10 @@ pub struct Args {
     store: Option<PathBuf>,
     /// Folder for the runs as placed on the road, DIR/road=MAP/*.parquet, where MAP is the name of
     /// the map file. SQL computes the same map from these files.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", hide_short_help = true)]
     placed: Option<PathBuf>,
     /// Treat a damaged file in a folder as an error.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     strict: bool,
     /// Print what the map has as JSON.
     #[arg(long)]

@@ -16,7 +16,8 @@ use std::path::PathBuf;
 /// Arguments of `horizon`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "HORIZON.csv has, for every second in which the place on the map is known, the grade ahead \
+    after_help = "Example:\n  roadgrade horizon --map map.grade --vehicle V.toml --out ahead.csv drive.log",
+    after_long_help = "HORIZON.csv has, for every second in which the place on the map is known, the grade ahead \
     every 25 m. Branch 0 is the most probable path; other branches begin where they leave it. \
     Columns: time_s, distance_m (driven), branch, probability, ahead_m, grade_percent, \
     grade_sigma_percent.\n\n\
@@ -39,7 +40,7 @@ pub struct Args {
     #[command(flatten)]
     reading: LogOptions,
     /// Print what was written as JSON.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
     /// Log of frames or signal table, as for `estimate`.
     log: PathBuf,

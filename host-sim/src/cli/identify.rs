@@ -16,7 +16,7 @@ use std::path::PathBuf;
 
 /// Arguments of `identify`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = after_help())]
+#[command(after_help = "Example:\n  roadgrade identify --out V.toml mon.log tue.log", after_long_help = after_help())]
 pub struct Args {
     /// Vehicle file to write.
     #[arg(long, value_name = "V.toml")]
@@ -28,7 +28,7 @@ pub struct Args {
     #[command(flatten)]
     tuning: TuningOption,
     /// Print each value as JSON: key, value, sigma, origin (read, measured, assumed).
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
     /// Drives of one vehicle: logs of frames or signal tables. Two are better than one.
     #[arg(required = true, value_name = "LOG")]

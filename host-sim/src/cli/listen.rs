@@ -18,7 +18,9 @@ use std::time::Duration;
 
 /// Arguments of `listen`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "\
+#[command(
+    after_help = "Example:\n  roadgrade listen --can can0 --vehicle V.toml --out run.csv",
+    after_long_help = "\
 On a terminal a panel shows the grade with its sigma, the mode, speed, bias and scale of the vehicle model, frames per second and events. If stdout is not a terminal, one line per second goes to stdout and the final summary to stderr. With --json both are JSON, one object per line.
 
 The mode is valid, or the conditions in which the vehicle model does not hold: shifting, braking, no-traction, crawling, joined by +. It is waiting before the first speed, and silent after two seconds without a frame.
@@ -44,7 +46,8 @@ Try it without a truck:
   roadgrade listen --can vcan0 --vehicle sim/a1.vehicle.toml --out run.csv
 The same in a few seconds:
   roadgrade replay --can vcan0 --log-time --speed max sim/a1.log &
-  roadgrade listen --can vcan0 --log-time --vehicle sim/a1.vehicle.toml --out run.csv")]
+  roadgrade listen --can vcan0 --log-time --vehicle sim/a1.vehicle.toml --out run.csv"
+)]
 pub struct Args {
     /// CAN interface. Repeat the option for several buses of one vehicle.
     #[arg(long = "can", value_name = "INTERFACE", required = true)]
@@ -68,23 +71,23 @@ pub struct Args {
     #[command(flatten)]
     memory: MemoryOption,
     /// File for the received frames, as a candump log.
-    #[arg(long, value_name = "FILE.log")]
+    #[arg(long, value_name = "FILE.log", hide_short_help = true)]
     log: Option<PathBuf>,
     /// Send the estimate on the first interface.
     #[arg(long)]
     publish: bool,
     /// J1939 source address of the published frames.
     #[arg(long, value_name = "N", default_value_t = 128, requires = "publish",
-          value_parser = clap::value_parser!(u8).range(0..=254))]
+          value_parser = clap::value_parser!(u8).range(0..=254), hide_short_help = true)]
     address: u8,
     /// Use the time stamps that `replay --log-time` sends.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     log_time: bool,
     /// End the drive after this time without a frame.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, hide_short_help = true)]
     end_after_silence: Option<Duration>,
     /// Print JSON instead of lines, panel and table.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
 }
 

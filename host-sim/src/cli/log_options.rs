@@ -13,14 +13,14 @@ use std::sync::Arc;
 #[derive(Debug, clap::Args)]
 pub struct FrameOptions {
     /// Refuse a log with any damage. By default, damage of up to 1 % is left out and reported.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     strict: bool,
     /// Read a log whose clock was set back as one drive: time goes on from there. By default, a step
     /// back of more than 10 s is an error.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     rejoin: bool,
     /// Read only the frames of this interface; may be repeated. `roadgrade inspect` lists them.
-    #[arg(long = "interface", value_name = "NAME")]
+    #[arg(long = "interface", value_name = "NAME", hide_short_help = true)]
     interfaces: Vec<String>,
 }
 
@@ -30,13 +30,13 @@ pub struct LogOptions {
     #[command(flatten)]
     frames: FrameOptions,
     /// Leave out a signal, as if the bus did not have it; may be repeated.
-    #[arg(long, value_name = "SIGNAL", value_parser = signal_named)]
+    #[arg(long, value_name = "SIGNAL", value_parser = signal_named, hide_short_help = true)]
     ignore: Vec<Signal>,
     #[command(flatten)]
     own: OwnOptions,
     /// Mapping of the columns of tables to our signals; `roadgrade inspect TABLE --out COLUMNS.toml`
     /// proposes one.
-    #[arg(long, value_name = "COLUMNS.toml")]
+    #[arg(long, value_name = "COLUMNS.toml", hide_short_help = true)]
     columns: Option<PathBuf>,
 }
 
@@ -77,6 +77,7 @@ impl OwnOptions {
     ///
     /// # Errors
     /// Returns the error of either file, and a usage error for one without the other.
+    #[cfg(target_os = "linux")]
     pub fn bus_mapping(&self) -> Result<Option<Arc<OwnSignals>>> {
         if self.signals.is_some() && self.dbc.is_none() {
             let problem = "--signals without --dbc; expected --dbc FILE.dbc, which describes the messages \

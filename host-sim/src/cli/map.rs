@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 /// Arguments of `map`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "DIR gets vehicle.toml (identified from the logs, unless --vehicle gives one), runs/LOG.csv for \
+    after_help = "Example:\n  roadgrade map --out out *.blf",
+    after_long_help = "DIR gets vehicle.toml (identified from the logs, unless --vehicle gives one), runs/LOG.csv for \
     each drive, map.csv, and index.html, a page with plan, profile, runs, what was assumed and what \
     was wrong with the input.\n\n\
     Without --road, the roads are the tracks of the runs: map.csv has the columns way and direction \
@@ -45,14 +46,14 @@ pub struct Args {
     join: bool,
     /// Keep drives that are suspect over most of their length. By default, they are named and left
     /// out.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     keep_suspect: bool,
     #[command(flatten)]
     reading: LogOptions,
     #[command(flatten)]
     tuning: TuningOption,
     /// Print the summary of each run as JSON.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
     /// Logs of one vehicle, each a drive.
     #[arg(required = true, value_name = "LOG")]

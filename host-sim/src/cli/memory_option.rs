@@ -13,10 +13,10 @@ use std::path::{Path, PathBuf};
 pub struct MemoryOption {
     /// Road memory of the vehicle: the roads that it has driven. The live grade is combined with what
     /// it knows, and it learns this drive. Read before the drive, written after it.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     memory: Option<PathBuf>,
     /// Size of a new road memory, bytes: 32768 to 16777216, a multiple of 4096 [default: 1048576].
-    #[arg(long, value_name = "N", requires = "memory", value_parser = flash_image::parse_bytes)]
+    #[arg(long, value_name = "N", requires = "memory", value_parser = flash_image::parse_bytes, hide_short_help = true)]
     memory_bytes: Option<usize>,
 }
 

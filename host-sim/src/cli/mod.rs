@@ -52,7 +52,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use objects::Objects;
 use std::ffi::OsString;
 
-/// Road-grade estimation for heavy vehicles: from bus traffic to a grade map.
+/// Road-grade estimation for heavy vehicles: from CAN data to a grade map.
 #[derive(Debug, Parser)]
 #[command(
     name = "roadgrade",

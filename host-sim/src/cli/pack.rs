@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 /// Arguments of `pack`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "The vehicle reads the file in place, from flash or from a memory map: ways in their direction \
+    after_help = "Example:\n  roadgrade pack map.csv --out map.grade",
+    after_long_help = "The vehicle reads the file in place, from flash or from a memory map: ways in their direction \
     of travel with plan view, altitude, grade and its sigma, the joins between them, and an index of \
     places. Each part has a checksum. The grade is within 0.0025 % of that of the map, the position \
     within 0.4 m. The format is in the documentation of estimator_core::roadmap.\n\n\
@@ -29,7 +30,7 @@ pub struct Args {
     #[arg(long, value_name = "MAP.grade")]
     out: PathBuf,
     /// Print what the packed map has as JSON.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
 }
 

@@ -11,7 +11,8 @@ use std::path::PathBuf;
 /// Arguments of `place`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Each run is matched to the road or network as `fuse` does it, and its cells are \
+    after_help = "Example:\n  roadgrade place --road network.geojson --out placed monday.csv",
+    after_long_help = "Each run is matched to the road or network as `fuse` does it, and its cells are \
     written to DIR/road=ROAD/RUN.parquet, where ROAD is the name of the road file. An engine sums them \
     to the map that `fuse` makes: host-sim/sql/fuse.sql.\n\n\
     Runs are placed one by one, so an engine can spread them: one process for each partition of the \
@@ -35,10 +36,10 @@ pub struct Args {
     #[arg(long = "session", value_name = "NAME=RUN.csv,RUN.csv", value_parser = session)]
     sessions: Vec<NamedSession>,
     /// Treat a damaged file in a folder as an error.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     strict: bool,
     /// Print how many runs were placed as JSON.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
     /// Runs to place, or folders of runs, as `estimate` wrote them. A run that names no session is a
     /// session of its own.

@@ -20,7 +20,9 @@ const BAR_STEP: u64 = 256;
 
 /// Arguments of `replay`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "\
+#[command(
+    after_help = "Example:\n  roadgrade replay --can vcan0 drive.log",
+    after_long_help = "\
 Frames are sent at the times of the log, or faster by a factor. All frames of the log are sent, whatever interface it names for them; what two interfaces heard is sent once.
 
 While the queue of the interface is full (ENOBUFS), replay waits. A virtual interface has no such limit. With --speed max its frames arrive faster than a listener can read them, and frames that do not fit into the buffer of the listener are lost. `roadgrade listen` counts them as lost.
@@ -30,7 +32,8 @@ While the queue of the interface is full (ENOBUFS), replay waits. A virtual inte
 Examples:
   roadgrade replay --can vcan0 drive.log
   roadgrade replay --can vcan0 --speed 10 --log-time drive.log.gz
-  roadgrade replay --can vcan0 --speed max --log-time drive.log")]
+  roadgrade replay --can vcan0 --speed max --log-time drive.log"
+)]
 pub struct Args {
     /// CAN interface.
     #[arg(long = "can", value_name = "INTERFACE")]
@@ -44,7 +47,7 @@ pub struct Args {
     #[command(flatten)]
     reading: FrameOptions,
     /// Print the summary as JSON.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
     /// Log of frames: candump, ASC, TRC, BLF, MDF 4, pcap, BUSMASTER, CSV of SavvyCAN, python-can or CANedge,
     /// NMEA 2000 as text; plain, gzip or zstd.

@@ -27,13 +27,15 @@ struct Options {
     vehicle: Vec<PathBuf>,
     /// True vehicle parameters and noise levels, for the oracle. Give it once for all runs, or once
     /// for each run [default: NAME.oracle.toml beside NAME.truth.csv].
-    #[arg(long, value_name = "ORACLE.toml")]
+    #[arg(long, value_name = "ORACLE.toml", hide_short_help = true)]
     oracle: Vec<PathBuf>,
 }
 
 /// Arguments of `score`.
 #[derive(Clone, Debug, clap::Args)]
-#[command(after_help = "\
+#[command(
+    after_help = "Example:\n  roadgrade score --truth drive.truth.csv drive.csv",
+    after_long_help = "\
 Each cell is compared with the truth at the same time. Both times count from the first frame of \
 the log. The first and last 500 m of each run are not scored. Each row has the RMSE over all cells \
 and over valid cells (neither a gear shift nor braking), the bias (estimate minus truth), the mean \
@@ -57,7 +59,8 @@ docs/formats.md.
 
 Examples:
   roadgrade score --truth sim/a1.truth.csv --truth sim/a2.truth.csv a1.csv a2.csv
-  roadgrade score --truth a.csv --log a.log --vehicle a.toml --oracle true.toml run.csv")]
+  roadgrade score --truth a.csv --log a.log --vehicle a.toml --oracle true.toml run.csv"
+)]
 pub struct Args {
     /// True grade of the drive. Give it once for all runs, or once for each run in their order.
     #[arg(long, required = true, value_name = "TRUTH.csv")]
@@ -68,7 +71,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Print JSON instead of a table.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
     /// Runs to score, as `estimate` wrote them.
     #[arg(required = true, value_name = "RUN.csv")]

@@ -19,7 +19,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Print each run as JSON: run, vehicle, distance_km, duration_s, frames.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     json: bool,
 }
 

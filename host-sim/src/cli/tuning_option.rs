@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub struct TuningOption {
     /// Tuning file with values for the estimator's parameters; docs/tuning.md lists them.
-    #[arg(long, value_name = "FILE.toml")]
+    #[arg(long, value_name = "FILE.toml", hide_short_help = true)]
     tuning: Option<PathBuf>,
 }
 

@@ -1,19 +1,17 @@
 //! `roadgrade study` where a program is built without it.
 
 use crate::error::{Error, Result};
+use std::path::Path;
 
-/// Arguments of `study`.
+/// Any arguments.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Whatever is given.
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
-    _given: Vec<String>,
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    given: Vec<String>,
 }
 
-/// Refuses the command.
-pub fn run(_args: &Args) -> Result<()> {
-    Err(Error::Usage(
-        "study: this program is built without the studies; build it with --features studies"
-            .to_owned(),
-    ))
+/// Returns the error that the studies are not there.
+pub fn run(args: &Args) -> Result<()> {
+    let problem = "this program is built without the studies; build it with --features studies";
+    Err(Error::content(Path::new(&args.given.join(" ")), problem))
 }

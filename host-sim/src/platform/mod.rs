@@ -1,12 +1,9 @@
-//! What differs between the systems that the host runs on: Unix, and WebAssembly with a system
-//! interface (WASI), as in a browser.
+//! What differs between the systems that the host runs on: Unix, Windows, and WebAssembly with a
+//! system interface (WASI), as in a browser.
 
-#[cfg(unix)]
-mod unix;
-#[cfg(not(unix))]
-mod wasi;
+#[cfg_attr(unix, path = "unix.rs")]
+#[cfg_attr(windows, path = "windows.rs")]
+#[cfg_attr(not(any(unix, windows)), path = "wasi.rs")]
+mod system;
 
-#[cfg(unix)]
-pub use unix::{IS_FOLDER, OUT_OF_FILES, TableFile, file_number, readable_by_all, table_file};
-#[cfg(not(unix))]
-pub use wasi::{IS_FOLDER, OUT_OF_FILES, TableFile, file_number, readable_by_all, table_file};
+pub use system::{IS_FOLDER, OUT_OF_FILES, TableFile, file_number, readable_by_all, table_file};

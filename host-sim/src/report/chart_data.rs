@@ -1,6 +1,7 @@
 //! Plots as JSON for the script that draws them in a browser.
 
 use super::colour::for_both_themes;
+use super::digits::{place_of, rounded, to_place};
 use super::plot::{Mark, Plot, Series};
 use super::thin::{Points, thinned};
 use serde_json::{Value, json};
@@ -56,7 +57,7 @@ pub fn chart(plot: &Plot, most: usize) -> Drawn {
         "y": plot.y_label,
         "link": plot.link,
         "height": plot.height,
-        "range": plot.y_range.map(|(low, high)| [low, high]),
+        "range": plot.y_range.map(|(low, high)| [number(low), number(high)]),
         "shaded": plot.shaded,
         "ticks": plot.ticks,
         "axes": axes,
@@ -119,27 +120,5 @@ fn strictly_ascending(values: impl Iterator<Item = f64>) -> Vec<f64> {
 
 /// Returns a rounded number; `null` if it is not finite, which is a gap.
 pub fn number(value: f64) -> Value {
-    serde_json::Number::from_f64(rounded(value)).map_or(Value::Null, Value::Number)
-}
-
-fn rounded(value: f64) -> f64 {
-    if value == 0.0 || !value.is_finite() {
-        return value;
-    }
-    to_place(value, place_of(value) - DIGITS + 1)
-}
-
-/// Returns the power of ten of the first digit.
-fn place_of(value: f64) -> i32 {
-    value.abs().log10().floor() as i32
-}
-
-/// Rounds to a power of ten.
-fn to_place(value: f64, place: i32) -> f64 {
-    let power = 10_f64.powi(place.abs());
-    if place < 0 {
-        (value * power).round() / power
-    } else {
-        (value / power).round() * power
-    }
+    serde_json::Number::from_f64(rounded(value, DIGITS)).map_or(Value::Null, Value::Number)
 }

@@ -51,7 +51,7 @@ pub struct DemoDrive {
 #[must_use]
 pub fn demo_page(demo: &Demo) -> Page {
     Page::new(
-        "A grade map from bus traffic",
+        "A grade map from CAN data",
         "Five drives over the same ten kilometres, by two trucks whose mass, drag, rolling \
          resistance and torque differ by up to 10 % from their vehicle files. All results \
          below are estimated from their CAN logs by the code that runs on the vehicle.",

@@ -56,6 +56,7 @@ pub mod chart_data;
 pub mod colour;
 mod colouring;
 pub mod demo_page;
+mod digits;
 pub mod figure;
 pub mod logs_page;
 pub mod map_page;

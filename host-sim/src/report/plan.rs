@@ -72,7 +72,7 @@ impl Plan {
         let value = json!({
             "kind": "plan",
             "middle": [middle_deg, centre_deg + reference_deg],
-            "metres": [DEGREE_M, east_m],
+            "metres": [DEGREE_M, number(east_m)],
             "colourings": self.colourings.iter().map(Colouring::json).collect::<Vec<_>>(),
             "lines": lines,
         });

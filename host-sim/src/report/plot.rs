@@ -1,7 +1,11 @@
 //! Plots: series over a common axis, as data. `svg.rs` and `chart_data.rs` draw them.
 
 pub use super::colour;
+use super::digits::rounded;
 use plotters::style::RGBColor;
+
+/// Digits of numbers in files.
+const FILE_DIGITS: i32 = 9;
 
 /// Style of a series.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,15 +147,20 @@ impl Plot {
             let known = series.points.iter().enumerate();
             for (k, (x, y)) in known.filter(|(_, point)| point.1.is_finite()) {
                 let lower = match &series.mark {
-                    Mark::Band(lower) => lower.get(k).map(f64::to_string).unwrap_or_default(),
+                    Mark::Band(lower) => lower.get(k).map(|of| text(*of)).unwrap_or_default(),
                     _ => String::new(),
                 };
-                let row = [&series.name, &x.to_string(), &y.to_string(), &lower];
+                let row = [&series.name, &text(*x), &text(*y), &lower];
                 writer.write_record(row).expect("memory");
             }
         }
         String::from_utf8(writer.into_inner().expect("memory")).expect("made of strings")
     }
+}
+
+/// Returns a number as the files of charts have it.
+fn text(value: f64) -> String {
+    rounded(value, FILE_DIGITS).to_string()
 }
 
 /// Joins neighbouring cells that are set into x ranges to shade.

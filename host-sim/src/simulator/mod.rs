@@ -1,4 +1,4 @@
-//! The simulator: trucks with known parameters on a road with known grade, and their bus traffic.
+//! The simulator: trucks with known parameters on a road with known grade, and their CAN data.
 //!
 //! ```text
 //! scenario ─► road ─► drive (truck, driver, gearbox) ─► sensors, GNSS ─► bus frames

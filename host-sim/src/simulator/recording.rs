@@ -1,4 +1,4 @@
-//! A simulated drive and its bus traffic.
+//! A simulated drive and its CAN data.
 
 use super::bus::BusTraffic;
 use super::drive::{self, SimulatedDrive};
@@ -49,7 +49,7 @@ pub fn simulate(scenario: &Scenario, index: usize) -> Result<SimulatedRun> {
     })
 }
 
-/// A simulated drive whose bus traffic can be generated.
+/// A simulated drive whose CAN data can be generated.
 #[derive(Debug)]
 pub struct Recording<'a> {
     pub(super) scenario: &'a Scenario,
@@ -80,7 +80,7 @@ impl<'a> Recording<'a> {
         &self.drive
     }
 
-    /// Returns the bus traffic, in order of time. Each call returns the same frames.
+    /// Returns the CAN data, in order of time. Each call returns the same frames.
     pub fn frames(&self) -> impl Iterator<Item = TimedFrame> {
         let sensors = Sensors::new(self.scenario, self.index, &self.drive);
         let inertial = InertialSensors::new(self.scenario, self.index, &self.drive);

@@ -99,7 +99,7 @@ fn write_run(scenario: &Scenario, index: usize, folder: &Path) -> Result<Written
     })
 }
 
-/// Writes the bus traffic of the run; returns the number of frames.
+/// Writes the CAN data of the run; returns the number of frames.
 fn write_log(path: &Path, recording: &Recording) -> Result<u64> {
     let mut frames = 0;
     write_whole(path, |out| {

@@ -13,6 +13,7 @@ mod code_tables;
 mod counter_table;
 mod diagnosis_table;
 mod measured_tables;
+mod outside_tables;
 mod pipe_table;
 mod road_tables;
 mod sensitivity_tables;
@@ -52,6 +53,7 @@ const EFFECTS: &str = "from estimator-core/src/effect";
 const SIGNALS: &str = "from estimator-core/src/signal and estimator-core/dbc";
 const COUNTERS: &str = "from estimator-core/src/counters.rs";
 const MECHANISMS: &str = "cargo run -p cross-tests --example sensitivity -- mechanisms";
+const OUTSIDE: &str = "cargo run -p cross-tests --example accuracy";
 const BUDGETS: &str = "cargo run -p cross-tests --release --example budgets";
 const MOTORWAY: &str = "roadgrade simulate, estimate, score: motorway.toml";
 const DEMO: &str = "roadgrade demo";
@@ -93,6 +95,7 @@ blocks! {
     "docs/interfaces.md" "budgets" BUDGETS Nothing budget_tables::of_the_estimator();
     "docs/results.md" "budgets" BUDGETS Nothing budget_tables::with_effects();
     "docs/results.md" "budgets of fixed point" BUDGETS Nothing budget_tables::fixed_point();
+    "docs/results.md" "other simulators" OUTSIDE Nothing outside_tables::of_simulators();
     "docs/results.md" "motorway" MOTORWAY Seconds measured_tables::motorway();
     "docs/results.md" "demo" DEMO Seconds measured_tables::demo();
     "docs/results.md" "accuracy" ACCURACY Minute measured_tables::accuracy();
@@ -104,6 +107,7 @@ blocks! {
     "docs/results.md" "bridges bus" BRIDGES Minute road_tables::bridges_bus();
     "docs/results.md" "bus" ZTBUS Minute measured_tables::bus();
     "docs/results.md" "bus diagnosis" DIAGNOSE Seconds diagnosis_table::bus();
+    "README.md" "measured vehicles" OUTSIDE Nothing outside_tables::of_vehicles();
     "README.md" "accuracy" ACCURACY Minute measured_tables::accuracy_in_short();
 }
 

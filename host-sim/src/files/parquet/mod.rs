@@ -50,10 +50,6 @@ pub fn check_output(path: &Path) -> Result<()> {
 }
 
 /// Returns the error of a program without Parquet.
-#[cfg_attr(
-    feature = "parquet",
-    expect(dead_code, reason = "of programs without it")
-)]
 fn without(path: &Path) -> Error {
     let problem = "a Parquet file, which this program is built without; build it with \
                    --features parquet, or use CSV";
