@@ -1,20 +1,21 @@
 //! The page of a single run: that of a map made of it alone.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::files::output::Staged;
 use crate::files::run::RunRows;
-use crate::map::{GRID_M, MapRow, WayRows};
+use crate::map::{MapRow, WayRows};
 use crate::recorder::RunSummary;
 use crate::report::map_page;
 use crate::report::on_map::{OnMapCell, on_map_section};
-use crate::report::verdict::{verdict_section, with_warnings};
+use crate::report::plot::shaded_ranges;
+use crate::report::verdict::{suspect_section, verdict, with_warnings};
 use std::path::Path;
 
 /// Writes the page of a run of this log to a file that appears when it is committed. Cells without a
-/// position are not drawn. A drive on a map has a section of it.
+/// position are not on the plan. A drive on a map has a section of it.
 ///
 /// # Errors
-/// Returns the error of the file system, or an error for a run without positions.
+/// Returns the error of the file system.
 pub(super) fn stage(
     path: &Path,
     log: &Path,
@@ -23,34 +24,31 @@ pub(super) fn stage(
 ) -> Result<Staged> {
     let mut rows: Vec<MapRow> = Vec::new();
     let mut on_map: Vec<OnMapCell> = Vec::new();
-    let mut cells = 0;
+    let mut suspect = Vec::new();
     run.each(&mut |row| {
-        cells += 1;
         on_map.extend(OnMapCell::of(row));
-        let position = row.latitude_deg.zip(row.longitude_deg);
-        rows.extend(position.map(|(latitude_deg, longitude_deg)| MapRow {
+        suspect.push((row.distance_m * 1e-3, row.consistent == 0));
+        rows.push(MapRow {
             distance_m: row.distance_m,
-            latitude_deg,
-            longitude_deg,
+            latitude_deg: row.latitude_deg.unwrap_or(f64::NAN),
+            longitude_deg: row.longitude_deg.unwrap_or(f64::NAN),
             altitude_m: row.altitude_m,
             grade_percent: row.grade_percent,
             grade_sigma_percent: row.grade_sigma_percent,
             runs: 1,
-        }));
+        });
         Ok(())
     })?;
-    if rows.is_empty() {
-        let problem = format!(
-            "the run of {} has no position in any cell of {GRID_M} m, so there is nothing to draw",
-            log.display()
-        );
-        return Err(Error::content(path, problem));
-    }
-    let mut page = map_page::page(log, &[WayRows { name: None, rows }]);
+    let cells = rows.len();
+    let ways = [WayRows { name: None, rows }];
+    let mut page = map_page::page(log, &ways, &[shaded_ranges(suspect)]);
     let name = log.file_stem().unwrap_or_default().to_string_lossy();
-    let first = verdict_section(&[(&*name, summary)]);
-    page.sections
-        .insert(0, with_warnings(first, "", &summary.warnings));
+    let runs = [(&*name, summary)];
+    page.lead = format!("{} {}", verdict(&runs), page.lead);
+    let wrong = with_warnings(suspect_section(&runs), "", &summary.warnings);
+    if !wrong.notes.is_empty() {
+        page.sections.insert(0, wrong);
+    }
     if !on_map.is_empty() {
         page = page.with(on_map_section(&on_map, cells));
     }

@@ -13,6 +13,8 @@ pub struct Figure {
     pub drawing: Drawing,
     /// Caption.
     pub caption: String,
+    /// An address to open, with its words.
+    pub link: Option<(String, String)>,
 }
 
 /// What a figure draws.
@@ -35,6 +37,7 @@ impl Figure {
             name: name.into(),
             drawing: Drawing::Chart(plot.clone()),
             caption,
+            link: None,
         }
     }
 
@@ -44,7 +47,15 @@ impl Figure {
             name: name.into(),
             drawing: Drawing::Plan(plan),
             caption: caption.into(),
+            link: None,
         }
+    }
+
+    /// Returns the figure with an address to open.
+    #[must_use]
+    pub fn with_link(mut self, url: impl Into<String>, words: impl Into<String>) -> Self {
+        self.link = Some((url.into(), words.into()));
+        self
     }
 
     /// Returns its files, as their names and contents: a plot as SVG, and its data as CSV. A plan

@@ -1,21 +1,34 @@
 //! The page of `map`: what logs of one vehicle show of their roads.
 
+use super::digits::{place_of, rounded, to_place};
 use super::map_page;
 use super::page::{Figure, Note, Page, Section, Table};
+use super::plot::shaded_ranges;
 use super::plot::{Plot, Series, colour};
-use super::verdict::{verdict_section, with_warnings};
+use super::verdict::{suspect_section, verdict, with_warnings};
 use crate::error::on_one_line;
 use crate::files::run::RunRow;
 use crate::identify::annotated::comment;
-use crate::identify::{Identified, IdentifiedValue};
+use crate::identify::{Identified, IdentifiedValue, Origin};
 use crate::map::{GRID_M, Network, PlacedRun, WayRows};
 use crate::recorder::{RunSummary, Warning};
 use crate::source::log_report::LogReport;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Most ways that have a figure of each run, and most runs in one.
 const MOST_WAYS: usize = 8;
 const MOST_RUNS: usize = 12;
+
+/// What a person knows of a vehicle: words, and key.
+const KNOWN: [(&str, &str); 6] = [
+    ("mass, kg", "vehicle.mass_kg"),
+    ("drag area, m²", "vehicle.drag_area_m2"),
+    ("rolling resistance", "vehicle.rolling_resistance"),
+    ("wheel radius, m", "vehicle.wheel_radius_m"),
+    ("torque at 100 %, N m", "powertrain.reference_torque_nm"),
+    ("final drive", "powertrain.final_drive_ratio"),
+];
 
 /// One run of the map.
 pub struct LogRun {
@@ -75,10 +88,34 @@ impl LogRun {
 /// Creates the page.
 #[must_use]
 pub fn logs_page(map: &LogsMap) -> Page {
-    let mut page = map_page::page(Path::new("map"), map.ways);
+    let mut page = map_page::page(Path::new("map"), map.ways, &suspect_stretches(map));
     page.title = format!("Grade map from logs of a vehicle like {}", map.vehicle);
-    page.sections.insert(0, first_section(map));
+    page.lead = format!("{} {}", verdict(&summaries(map)), page.lead);
+    let wrong = wrong_section(map);
+    if !wrong.notes.is_empty() {
+        page.sections.insert(0, wrong);
+    }
     page.with(runs_section(map)).with(vehicle_section(map))
+}
+
+fn summaries<'a>(map: &'a LogsMap) -> Vec<(&'a str, &'a RunSummary)> {
+    let runs = map.runs.iter();
+    runs.map(|run| (run.name.as_str(), &run.summary)).collect()
+}
+
+/// Returns the stretches of each way in which signals of a run disagree, km.
+fn suspect_stretches(map: &LogsMap) -> Vec<Vec<(f64, f64)>> {
+    let of_way = |way: &WayRows| {
+        let index = map.network.ways().iter().position(|of| of.name == way.name);
+        let placed = map.placed.iter().flat_map(|placed| &placed.cells);
+        let placed = placed.filter(|cell| Some(cell.way) == index && !cell.is_consistent);
+        let suspect: BTreeSet<i64> = placed.map(|cell| cell.number).collect();
+        shaded_ranges(way.rows.iter().map(|row| {
+            let number = (row.distance_m / GRID_M).round() as i64;
+            (row.distance_m * 1e-3, suspect.contains(&number))
+        }))
+    };
+    map.ways.iter().map(of_way).collect()
 }
 
 fn runs_section(map: &LogsMap) -> Section {
@@ -87,6 +124,9 @@ fn runs_section(map: &LogsMap) -> Section {
     let table = Table::new("runs", "Runs of the map.", &LogRun::HEADER)
         .with_rows(map.runs.iter().map(LogRun::line));
     let section = Section::new("Runs").paragraph(words).table(table);
+    if map.runs.len() == 1 {
+        return section; // Its grade is that of the map.
+    }
     let drawn = map.ways.iter().take(MOST_WAYS).enumerate();
     drawn.fold(section, |section, (number, way)| {
         section.figure(runs_figure(map, number, way))
@@ -139,29 +179,57 @@ fn vehicle_section(map: &LogsMap) -> Section {
         let message = format!("Not known: {}.", unknown.what);
         section.note(Note::info(format!("{message} {}", unknown.advice)))
     });
-    let row = |value: &IdentifiedValue| {
-        vec![
-            value.key.clone(),
-            format!("{:.5}", value.value),
-            comment(value),
-        ]
-    };
+    let row = |value: &IdentifiedValue| vec![value.key.clone(), amount(value), comment(value)];
     let header = ["key", "value", "from"];
-    let caption = "What was read, measured and assumed.";
-    let table = Table::new("vehicle", caption, &header)
+    let whole = Table::new("vehicle", "Every value of the vehicle file.", &header)
         .with_rows(found.values.iter().map(row))
         .with_words();
-    unknown.table(table)
+    unknown.table(known_table(found)).table(whole.folded())
 }
 
-/// Returns the verdict, and what is wrong with the input.
-fn first_section(map: &LogsMap) -> Section {
-    let runs: Vec<(&str, &RunSummary)> = map
-        .runs
-        .iter()
-        .map(|run| (run.name.as_str(), &run.summary))
-        .collect();
-    let mut section = verdict_section(&runs);
+/// Returns the table of what a person knows of a vehicle.
+fn known_table(found: &Identified) -> Table {
+    let row = |(words, key): (&str, &str)| {
+        let value = found.values.iter().find(|value| value.key == key)?;
+        Some(vec![words.to_owned(), amount(value), comment(value)])
+    };
+    let rows = KNOWN.into_iter().filter_map(row).chain(gears(found));
+    Table::new("vehicle_in_short", "The vehicle.", &["", "value", "from"])
+        .with_rows(rows)
+        .with_words()
+}
+
+/// Returns the line of all gears.
+fn gears(found: &Identified) -> Option<Vec<String>> {
+    let is_ratio = |value: &&IdentifiedValue| {
+        value.key.starts_with("powertrain.gears[") && value.key.ends_with(".ratio")
+    };
+    let gears: Vec<&IdentifiedValue> = found.values.iter().filter(is_ratio).collect();
+    let (first, last) = (gears.first()?, gears.last()?);
+    let count = |origin: Origin| gears.iter().filter(|gear| gear.origin == origin).count();
+    let ratios = format!("{:.2} to {:.2}", first.value, last.value);
+    let from = format!(
+        "{} read, {} measured, {} assumed",
+        count(Origin::Read),
+        count(Origin::Measured),
+        count(Origin::Assumed)
+    );
+    Some(vec![format!("{} gears", gears.len()), ratios, from])
+}
+
+/// Returns a value with as many digits as its sigma allows.
+fn amount(value: &IdentifiedValue) -> String {
+    if value.origin == Origin::Read || value.sigma <= 0.0 {
+        return rounded(value.value, 5).to_string();
+    }
+    let place = place_of(value.sigma) - 1;
+    let decimals = usize::try_from(-place).unwrap_or(0);
+    format!("{:.decimals$}", to_place(value.value, place))
+}
+
+/// Returns what is wrong with the input.
+fn wrong_section(map: &LogsMap) -> Section {
+    let mut section = suspect_section(&summaries(map));
     for problem in map.left_out {
         section = section.note(Note::warning(
             format!("Left out: {problem}."),

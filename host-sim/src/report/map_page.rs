@@ -1,4 +1,4 @@
-//! The page of a map: plan, profiles, and their standard deviations.
+//! The page of a map: profiles of altitude and grade, and the plan.
 
 use crate::map::{GRID_M, MapRow, WayRows, map_segments};
 use crate::numeric::statistics::quantile;
@@ -20,21 +20,27 @@ pub(super) fn link(way: &WayRows) -> String {
         .map_or_else(|| "road".to_owned(), |name| format!("way {name}"))
 }
 
-pub(crate) fn page(file: &Path, ways: &[WayRows]) -> Page {
-    let mut longest: Vec<&WayRows> = ways.iter().collect();
+/// Creates the page of a map. `suspect` are stretches to shade, of a way by its index, km. A cell
+/// without a position is not on the plan.
+pub(crate) fn page(file: &Path, ways: &[WayRows], suspect: &[Vec<(f64, f64)>]) -> Page {
+    let mut longest: Vec<(usize, &WayRows)> = ways.iter().enumerate().collect();
     // Stable sort: ways of equal length stay in the order of their names.
-    longest.sort_by_key(|way| std::cmp::Reverse(way.rows.len()));
+    longest.sort_by_key(|(_, way)| std::cmp::Reverse(way.rows.len()));
     let drawn = &longest[..longest.len().min(MOST_PROFILES)];
-    let mut sections = vec![plan_section(ways)];
     let numbered = drawn.iter().enumerate();
-    sections.extend(numbered.map(|(number, way)| profile_section(number, way)));
+    let profile = |(number, (index, way)): (usize, &(usize, &WayRows))| {
+        profile_section(number, way, suspect.get(*index).map_or(&[], Vec::as_slice))
+    };
+    let mut sections: Vec<Section> = numbered.map(profile).collect();
+    sections.extend(plan_section(ways));
+    let longest: Vec<&WayRows> = longest.into_iter().map(|(_, way)| way).collect();
     if ways.len() > 1 {
         sections.push(table_section(&longest));
     }
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
     Page {
         title: format!("Grade map: {name}"),
-        lead: lead(ways, drawn.len()),
+        lead: lead(ways, longest.len().min(MOST_PROFILES)),
         sections,
     }
 }
@@ -43,12 +49,14 @@ fn lead(ways: &[WayRows], drawn: usize) -> String {
     let rows: Vec<&MapRow> = ways.iter().flat_map(|way| &way.rows).collect();
     let runs = || rows.iter().map(|row| row.runs);
     let sigmas = rows.iter().map(|row| row.grade_sigma_percent);
+    let of = match (runs().min().unwrap_or(0), runs().max().unwrap_or(0)) {
+        (1, 1) => "1 run".to_owned(),
+        (least, most) if least == most => format!("{most} runs"),
+        (least, most) => format!("{least} to {most} runs"),
+    };
     let mut words = format!(
-        "{:.1} km of road in cells of {GRID_M} m, from {} to {} runs each. Half of the cells have \
-         a standard deviation below {:.3} % grade.",
+        "{:.1} km, {of}; the grade is known within {:.2} % (1 sigma, median).",
         km(rows.len()),
-        runs().min().unwrap_or(0),
-        runs().max().unwrap_or(0),
         quantile(sigmas, 0.5),
     );
     if ways.len() > 1 {
@@ -65,18 +73,41 @@ fn km(cells: usize) -> f64 {
     cells as f64 * GRID_M * 1e-3
 }
 
-fn plan_section(ways: &[WayRows]) -> Section {
+/// Returns the section of the plan; `None` where no cell has a position.
+fn plan_section(ways: &[WayRows]) -> Option<Section> {
+    let ways: Vec<WayRows> = ways.iter().map(with_positions).collect();
+    let middle = middle(ways.iter().flat_map(|way| &way.rows))?;
     let directions = if ways.len() > 1 {
         " Each way is drawn slightly to the right of its position."
     } else {
         ""
     };
     let caption = format!(
-        "The map from above, north up. Grade in the direction of travel; uphill is \
-         positive.{directions} A point under the pointer shows in the profile below, and the \
-         other way round."
+        "From above, north up. Grade in the direction of travel; uphill is positive.{directions} A \
+         point under the pointer shows in the profile, and the other way round."
     );
-    Section::new("Plan").figure(Figure::plan("plan", plan(ways), caption))
+    let (latitude, longitude) = middle;
+    let url = format!(
+        "https://www.openstreetmap.org/?mlat={latitude:.5}&mlon={longitude:.5}#map=13/{latitude:.5}/{longitude:.5}"
+    );
+    let figure = Figure::plan("plan", plan(&ways), caption);
+    let figure = figure.with_link(url, "Open its middle on openstreetmap.org.");
+    Some(Section::new("Plan").figure(figure))
+}
+
+fn with_positions(way: &WayRows) -> WayRows {
+    let is_placed = |row: &&MapRow| row.latitude_deg.is_finite() && row.longitude_deg.is_finite();
+    WayRows {
+        name: way.name.clone(),
+        rows: way.rows.iter().filter(is_placed).cloned().collect(),
+    }
+}
+
+/// Returns latitude and longitude of the row in the middle, °.
+fn middle<'a>(rows: impl Iterator<Item = &'a MapRow>) -> Option<(f64, f64)> {
+    let rows: Vec<&MapRow> = rows.collect();
+    let row = rows.get(rows.len() / 2)?;
+    Some((row.latitude_deg, row.longitude_deg))
 }
 
 /// Returns the plan of a map, coloured by grade, sigma or number of runs.
@@ -156,36 +187,23 @@ fn row(way: &WayRows) -> Vec<String> {
     ]
 }
 
-/// Returns the profiles of a way: grade with two sigmas, sigma and number of runs. The number makes
-/// the names of its figures distinct.
+/// Returns the profiles of a way: altitude, grade with two sigmas, and the number of runs if it is not
+/// always one. The number makes the names of its figures distinct. `suspect` are stretches to shade, km.
 #[must_use]
-pub fn profile_section(number: usize, way: &WayRows) -> Section {
-    let points = |value: fn(&MapRow) -> (f64, Option<f64>)| {
-        way.rows.iter().map(move |row| {
+pub fn profile_section(number: usize, way: &WayRows, suspect: &[(f64, f64)]) -> Section {
+    let profile = |y_label, name, colour, value: fn(&MapRow) -> (f64, Option<f64>)| {
+        let points = way.rows.iter().map(|row| {
             let (value, sigma) = value(row);
             ProfilePoint {
                 distance_m: row.distance_m,
                 value,
                 sigma,
             }
-        })
+        });
+        let mut plot = Plot::profile(y_label, link(way)).with_profile(name, colour, points);
+        plot.shaded = suspect.to_vec();
+        plot
     };
-    let profile = |y_label, name, colour, value| {
-        Plot::profile(y_label, link(way)).with_profile(name, colour, points(value))
-    };
-    let grade = profile("grade (%)", "grade", colour::BLUE, |row| {
-        (row.grade_percent, Some(row.grade_sigma_percent))
-    });
-    let mut sigma = profile("sigma of grade (%)", "sigma", colour::ORANGE, |row| {
-        (row.grade_sigma_percent, None)
-    });
-    let mut runs = profile("runs", "runs", colour::BLACK, |row| {
-        (f64::from(row.runs), None)
-    });
-    let most = |value: fn(&MapRow) -> f64| way.rows.iter().map(value).fold(0.0, f64::max);
-    sigma.y_range = Some((0.0, 1.1 * most(|row| row.grade_sigma_percent)));
-    runs.y_range = Some((0.0, 1.1 * most(|row| f64::from(row.runs))));
-    (sigma.height, runs.height) = (220, 180);
     let figure = |name: &str, plot: &Plot, caption: &str| {
         Figure::new(format!("{name}_{number}"), plot, caption)
     };
@@ -193,12 +211,30 @@ pub fn profile_section(number: usize, way: &WayRows) -> Section {
         .name
         .as_ref()
         .map_or_else(|| "Along the road".to_owned(), |name| format!("Way {name}"));
-    Section::new(heading)
-        .figure(figure(
-            "grade",
-            &grade,
-            "Grade in the direction of travel. A gap has no run.",
-        ))
-        .figure(figure("sigma", &sigma, "Standard deviation of the grade."))
-        .figure(figure("runs", &runs, "Number of runs."))
+    let mut section = Section::new(heading);
+    if way.rows.iter().any(|row| row.altitude_m.is_some()) {
+        let mut altitude = profile("altitude (m)", "altitude", colour::BLACK, |row| {
+            (row.altitude_m.unwrap_or(f64::NAN), None)
+        });
+        altitude.height = 180;
+        section = section.figure(figure("altitude", &altitude, ""));
+    }
+    let grade = profile("grade (%)", "grade", colour::BLUE, |row| {
+        (row.grade_percent, Some(row.grade_sigma_percent))
+    });
+    let caption = if suspect.is_empty() {
+        "Grade in the direction of travel. A gap has no run."
+    } else {
+        "Grade in the direction of travel. A gap has no run. Grey: signals of a run disagree there."
+    };
+    section = section.figure(figure("grade", &grade, caption));
+    let most = way.rows.iter().map(|row| row.runs).max().unwrap_or(0);
+    if most > 1 {
+        let mut runs = profile("runs", "runs", colour::BLACK, |row| {
+            (f64::from(row.runs), None)
+        });
+        (runs.y_range, runs.height) = (Some((0.0, 1.1 * f64::from(most))), 160);
+        section = section.figure(figure("runs", &runs, "Number of runs."));
+    }
+    section
 }

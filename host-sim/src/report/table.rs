@@ -13,6 +13,8 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
     /// Whether the last column is words instead of numbers.
     pub has_words: bool,
+    /// Whether it is folded until the reader opens it.
+    pub is_folded: bool,
 }
 
 impl Table {
@@ -24,6 +26,7 @@ impl Table {
             header: header.iter().map(|&name| name.to_owned()).collect(),
             rows: Vec::new(),
             has_words: false,
+            is_folded: false,
         }
     }
 
@@ -38,6 +41,13 @@ impl Table {
     #[must_use]
     pub const fn with_words(mut self) -> Self {
         self.has_words = true;
+        self
+    }
+
+    /// Returns the table folded: its caption opens it.
+    #[must_use]
+    pub const fn folded(mut self) -> Self {
+        self.is_folded = true;
         self
     }
 

@@ -279,7 +279,7 @@ fn the_page_draws_plan_profiles_and_uncertainty() {
         "\"kind\":\"plan\"",
         "Way way/7 backward",
         "± 2 sigma",
-        "sigma of grade (%)",
+        "altitude (m)",
         "Number of runs.",
         "climb m",
     ] {

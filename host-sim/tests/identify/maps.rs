@@ -48,8 +48,9 @@ fn logs_alone_give_a_map_a_vehicle_and_a_page() {
     assert!(rmse < 0.1, "{rmse}");
     let page = fs::read_to_string(path.join("out/index.html")).unwrap();
     for words in [
-        "Verdict",
         "Consistent: the signals agree",
+        "altitude (m)",
+        "mass, kg",
         "Plan",
         "Along the road",
         "Runs",
@@ -58,7 +59,12 @@ fn logs_alone_give_a_map_a_vehicle_and_a_page() {
     ] {
         assert!(page.contains(words), "{words}");
     }
-    assert!(!page.contains("src=\"http") && !page.contains("href=\"http"));
+    // Nothing is fetched; one place can be opened.
+    assert!(!page.contains("src=\"http"));
+    assert_eq!(page.matches("href=\"http").count(), 1);
+    assert!(page.contains("href=\"https://www.openstreetmap.org/?mlat="));
+    // The grade of a single run is that of the map.
+    assert!(!page.contains("each_run_0") && !page.contains("Number of runs."));
 }
 
 #[test]

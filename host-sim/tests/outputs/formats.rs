@@ -144,3 +144,26 @@ fn a_page_draws_a_single_run() {
     );
     assert!(page.trim_end().ends_with("</html>"));
 }
+
+/// Without a position there is a profile, and no plan; and the run is written.
+#[test]
+fn a_page_draws_a_run_without_positions() {
+    let folder = drive();
+    let at = folder.path();
+    let log = fs::read_to_string(at.join("d.log")).unwrap();
+    let lines = log.lines().filter(|line| !line.contains("9F801"));
+    let lines: Vec<&str> = lines.filter(|line| !line.contains("DF805")).collect();
+    fs::write(at.join("d.log"), lines.join("\n") + "\n").unwrap();
+    let mut arguments = vec!["estimate", "--vehicle", "v.toml", "--out", "r.csv"];
+    arguments.extend(["--page", "r.html", "d.log"]);
+    done(at, &arguments);
+    let page = fs::read_to_string(at.join("r.html")).unwrap();
+    assert!(page.contains("Along the road") && !page.contains("\"kind\":\"plan\""));
+    assert!(
+        fs::read_to_string(at.join("r.csv"))
+            .unwrap()
+            .lines()
+            .count()
+            > 100
+    );
+}

@@ -21,6 +21,11 @@ fn measured(drive: &str) -> Option<(&'static str, &'static str)> {
     })
 }
 
+/// Returns whether a row is of the measured car: the trip that is judged alone is one of all.
+fn is_trip(row: &AccuracyRow) -> bool {
+    row.drive.starts_with("i3-")
+}
+
 fn errors(row: &AccuracyRow) -> [String; 3] {
     [Smoothed, Lagged, Live].map(|estimate| format!("{:.3}", row.error_percent(estimate)))
 }
@@ -43,10 +48,10 @@ pub fn of_vehicles() -> Result<Option<String>> {
     Ok(Some(pipe_table(header, rows)))
 }
 
-/// Makes the table of drives of other simulators and of the quick trip, with the mean normalised squared errors.
+/// Makes the table of drives of other simulators, with the mean normalised squared errors.
 pub fn of_simulators() -> Result<Option<String>> {
     let committed = committed()?;
-    let is_drive = |row: &&AccuracyRow| measured(&row.drive).is_none();
+    let is_drive = |row: &&AccuracyRow| measured(&row.drive).is_none() && !is_trip(row);
     let rows = committed.iter().filter(is_drive).map(|row| {
         let [smoothed, lagged, live] = errors(row);
         let nees = [Smoothed, Lagged, Live].map(|estimate| format!("{:.2}", row.nees(estimate)));

@@ -41,6 +41,8 @@ pub struct PlacedCell {
     pub grade_variance: f64,
     /// Altitude, m, and its variance, m².
     pub altitude: Option<(f64, f64)>,
+    /// Whether signals agree in the cells of the run around it.
+    pub is_consistent: bool,
 }
 
 /// A run placed on a network.
@@ -166,6 +168,7 @@ fn between((way, number): (usize, i64), a: &RunCell, b: &RunCell, part: f64) -> 
                 let variance = mix(variance_of(a, a_sigma), variance_of(b, b_sigma));
                 (mix(a_m, b_m), variance)
             }),
+        is_consistent: a.is_consistent && b.is_consistent,
     }
 }
 
