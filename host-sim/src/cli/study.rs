@@ -31,7 +31,7 @@ pub struct Args {
     /// Folder for the tables (CSV), the figures (SVG, and CSV of their data) and report.html.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Folder with the measured data: ztbus/*.csv, srtm/*.hgt, i3/Trip*.csv.gz and e4/road.csv.
+    /// Folder with the measured data: ztbus/*.csv, srtm/*.hgt, i3/Trip*.csv.gz, e4/road.csv and peterbilt/.
     #[arg(long, value_name = "DIR", default_value = "../shared/data")]
     data: PathBuf,
     /// Seed of all random numbers.
@@ -45,7 +45,7 @@ pub struct Args {
 impl Args {
     /// Returns the files of the measured data.
     fn inputs(&self) -> Vec<PathBuf> {
-        let folders = ["ztbus", "srtm", "i3", "e4"].map(|name| self.data.join(name));
+        let folders = ["ztbus", "srtm", "i3", "e4", "peterbilt"].map(|name| self.data.join(name));
         let entries = folders.iter().filter_map(|folder| folder.read_dir().ok());
         let paths = entries.flatten().flatten().map(|entry| entry.path());
         paths.collect()
@@ -73,8 +73,12 @@ pub fn run(args: &Args) -> Result<()> {
             StudyOutcome::Skipped(why) => return Err(Error::content(&args.data, why)),
         }
     }
+    let one = STUDIES.iter().find(|study| study.name == args.name);
     let page = Page {
-        title: "The thesis's tables and figures, computed".to_owned(),
+        title: one.map_or_else(
+            || "The thesis's tables and figures, computed".to_owned(),
+            |of| format!("Study {}: {}", of.name, of.about),
+        ),
         lead: "P. Ståhl, \"Performance analysis of a grade estimation method by means of \
                simulation\" (Stockholm 2011), and measured data. The tables list the \
                thesis's numbers beside ours."

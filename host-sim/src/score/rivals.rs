@@ -92,6 +92,24 @@ impl Sampling {
     }
 }
 
+/// Returns the samples of a log, as the estimator takes them.
+///
+/// # Errors
+/// Returns an error, with file and line, if the log cannot be read to its end, or if the vehicle is
+/// impossible.
+pub fn samples_of_log(log: &Path, vehicle: &VehicleFile) -> Result<Vec<Sample>> {
+    let sampling = Sampling::of(vehicle.model.clone());
+    let mut sampling = sampling.map_err(|e| Error::content(log, e.to_string()))?;
+    let mut samples = Vec::new();
+    for_each_input(
+        log,
+        &ReadOptions::default(),
+        |_| (),
+        |input| sampling.on_input(&input, &mut samples),
+    )?;
+    Ok(samples)
+}
+
 /// Estimates a run's log by the thesis's methods (if the assumed vehicle is given) and by an
 /// oracle (if it is given). `run_mps` is the mean speed of the run.
 ///

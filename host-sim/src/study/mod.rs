@@ -21,6 +21,7 @@ pub mod known_road;
 pub mod sensitivity;
 pub mod sensors;
 pub mod shared_errors;
+pub mod track;
 pub mod windows;
 pub mod ztbus;
 
@@ -44,5 +45,6 @@ pub const STUDIES: &[Study] = &[
     shared_errors::STUDY,
     bridges::STUDY,
     ztbus::STUDY,
+    track::STUDY,
     i3::STUDY,
 ];

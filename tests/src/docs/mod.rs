@@ -64,6 +64,7 @@ const THESIS: &str = "roadgrade study modified";
 const E4: &str = "roadgrade study e4";
 const BRIDGES: &str = "roadgrade study bridges";
 const ZTBUS: &str = "roadgrade study ztbus";
+const TRACK: &str = "roadgrade study track";
 const DIAGNOSE: &str = "roadgrade diagnose";
 
 macro_rules! blocks {
@@ -106,6 +107,8 @@ blocks! {
     "docs/results.md" "bridges" BRIDGES Minute road_tables::bridges();
     "docs/results.md" "bridges bus" BRIDGES Minute road_tables::bridges_bus();
     "docs/results.md" "bus" ZTBUS Minute measured_tables::bus();
+    "docs/results.md" "track" TRACK Seconds road_tables::track();
+    "docs/results.md" "track effects" TRACK Seconds road_tables::track_effects();
     "docs/results.md" "bus diagnosis" DIAGNOSE Seconds diagnosis_table::bus();
     "README.md" "measured vehicles" OUTSIDE Nothing outside_tables::of_vehicles();
     "README.md" "accuracy" ACCURACY Minute measured_tables::accuracy_in_short();

@@ -45,6 +45,26 @@ pub fn e4_convergence() -> Result<Option<String>> {
     of_rows("e4", "e4_convergence", header, all)
 }
 
+/// Makes the table of the truck on a track.
+pub fn track() -> Result<Option<String>> {
+    let header = [
+        "estimate",
+        "100 m %",
+        "300 m %",
+        "600 m %",
+        "100 m: repeats by place %",
+        "does not %",
+        "NEES, 300 m",
+    ];
+    of_rows("track", "track_errors", header, all)
+}
+
+/// Makes the table of what explains its errors.
+pub fn track_effects() -> Result<Option<String>> {
+    let header = ["estimate", "effect", "amount %", "before %", "after %"];
+    of_rows("track", "track_effects", header, all)
+}
+
 /// Makes the table of structures.
 pub fn bridges() -> Result<Option<String>> {
     let header = [
