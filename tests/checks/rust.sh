@@ -28,8 +28,8 @@ check_format() {
 # The subjects of the last commits: scope and imperative, at most 60 characters.
 check_subjects() {
     local wrong
-    wrong=$(git log -5 --no-merges --format=%s 2>/dev/null | grep -vE '^[a-z0-9_-]+(, [a-z0-9_-]+)*: .' || true
-        git log -5 --no-merges --format=%s 2>/dev/null | grep -E '^.{61}' || true)
+    wrong=$(git log -5 --no-merges --format=%s 2>/dev/null |
+        awk 'length > 60 || !/^[a-z0-9_-]+(, [a-z0-9_-]+)*: ./')
     if [[ -n $wrong ]]; then
         printf 'commit subjects; expected "scope: imperative", at most 60 characters:\n%s\n' "$wrong"
         return 1

@@ -126,7 +126,7 @@ fn export_map(args: &Args, format: Format) -> Result<Told> {
         Format::Gpx => map::stage_map_gpx(&args.out, &ways)?.commit()?,
         Format::Map => map::stage_map_ways(&args.out, &ways)?.commit()?,
         Format::Csv => map::write_ways_csv(&args.out, &args.map, &ways)?,
-        Format::Page => map_page::page(&args.map, &ways, &[])
+        Format::Page => map_page::page(&args.map, &ways, |_| Vec::new())
             .stage_alone(&args.out)?
             .commit()?,
         Format::Edges => return export_edges(&args.slopes, &args.map, &args.out, &ways),

@@ -32,17 +32,14 @@ mod shell;
 mod simulate;
 #[cfg(feature = "studies")]
 mod study;
-#[cfg(not(feature = "studies"))]
-#[path = "without_study.rs"]
-mod study;
 mod told;
 mod tuning_option;
+#[cfg(not(all(target_os = "linux", feature = "studies")))]
+mod without;
+#[cfg(not(feature = "studies"))]
+use without::study;
 #[cfg(not(target_os = "linux"))]
-mod without_can;
-#[cfg(not(target_os = "linux"))]
-use without_can as listen;
-#[cfg(not(target_os = "linux"))]
-use without_can as replay;
+use without::{can as listen, can as replay};
 
 use crate::error::Result;
 use crate::files::signals;

@@ -8,7 +8,7 @@ use crate::recorder::RunSummary;
 use crate::report::map_page;
 use crate::report::on_map::{OnMapCell, on_map_section};
 use crate::report::plot::shaded_ranges;
-use crate::report::verdict::{suspect_section, verdict, with_warnings};
+use crate::report::verdict::{suspect_section, with_verdict, with_warnings};
 use std::path::Path;
 
 /// Writes the page of a run of this log to a file that appears when it is committed. Cells without a
@@ -40,15 +40,13 @@ pub(super) fn stage(
         Ok(())
     })?;
     let cells = rows.len();
+    let suspect = shaded_ranges(suspect);
     let ways = [WayRows { name: None, rows }];
-    let mut page = map_page::page(log, &ways, &[shaded_ranges(suspect)]);
+    let page = map_page::page(log, &ways, |_| suspect.clone());
     let name = log.file_stem().unwrap_or_default().to_string_lossy();
     let runs = [(&*name, summary)];
-    page.lead = format!("{} {}", verdict(&runs), page.lead);
     let wrong = with_warnings(suspect_section(&runs), "", &summary.warnings);
-    if !wrong.notes.is_empty() {
-        page.sections.insert(0, wrong);
-    }
+    let mut page = with_verdict(page, &runs, wrong);
     if !on_map.is_empty() {
         page = page.with(on_map_section(&on_map, cells));
     }

@@ -1,9 +1,14 @@
 //! What differs between the systems that the host runs on: Unix, Windows, and WebAssembly with a
 //! system interface (WASI), as in a browser.
 
-#[cfg_attr(unix, path = "unix.rs")]
-#[cfg_attr(windows, path = "windows.rs")]
-#[cfg_attr(not(any(unix, windows)), path = "wasi.rs")]
-mod system;
+mod error_codes;
+#[cfg_attr(unix, path = "unix_files.rs")]
+#[cfg_attr(not(unix), path = "other_files.rs")]
+mod files;
+#[cfg_attr(target_family = "wasm", path = "table_in_memory.rs")]
+#[cfg_attr(not(target_family = "wasm"), path = "table_on_disk.rs")]
+mod table;
 
-pub use system::{IS_FOLDER, OUT_OF_FILES, TableFile, file_number, readable_by_all, table_file};
+pub use error_codes::{IS_FOLDER, OUT_OF_FILES};
+pub use files::{file_number, readable_by_all};
+pub use table::{TableFile, table_file};

@@ -5,12 +5,12 @@ use super::map_page;
 use super::page::{Figure, Note, Page, Section, Table};
 use super::plot::shaded_ranges;
 use super::plot::{Plot, Series, colour};
-use super::verdict::{suspect_section, verdict, with_warnings};
+use super::verdict::{suspect_section, with_verdict, with_warnings};
 use crate::error::on_one_line;
 use crate::files::run::RunRow;
 use crate::identify::annotated::comment;
 use crate::identify::{Identified, IdentifiedValue, Origin};
-use crate::map::{GRID_M, Network, PlacedRun, WayRows};
+use crate::map::{GRID_M, Network, PlacedCell, PlacedRun, WayRows};
 use crate::recorder::{RunSummary, Warning};
 use crate::source::log_report::LogReport;
 use std::collections::BTreeSet;
@@ -88,14 +88,13 @@ impl LogRun {
 /// Creates the page.
 #[must_use]
 pub fn logs_page(map: &LogsMap) -> Page {
-    let mut page = map_page::page(Path::new("map"), map.ways, &suspect_stretches(map));
+    let mut page = map_page::page(Path::new("map"), map.ways, |way| {
+        suspect_stretches(map, way)
+    });
     page.title = format!("Grade map from logs of a vehicle like {}", map.vehicle);
-    page.lead = format!("{} {}", verdict(&summaries(map)), page.lead);
-    let wrong = wrong_section(map);
-    if !wrong.notes.is_empty() {
-        page.sections.insert(0, wrong);
-    }
-    page.with(runs_section(map)).with(vehicle_section(map))
+    with_verdict(page, &summaries(map), wrong_section(map))
+        .with(runs_section(map))
+        .with(vehicle_section(map))
 }
 
 fn summaries<'a>(map: &'a LogsMap) -> Vec<(&'a str, &'a RunSummary)> {
@@ -103,19 +102,31 @@ fn summaries<'a>(map: &'a LogsMap) -> Vec<(&'a str, &'a RunSummary)> {
     runs.map(|run| (run.name.as_str(), &run.summary)).collect()
 }
 
-/// Returns the stretches of each way in which signals of a run disagree, km.
-fn suspect_stretches(map: &LogsMap) -> Vec<Vec<(f64, f64)>> {
-    let of_way = |way: &WayRows| {
-        let index = map.network.ways().iter().position(|of| of.name == way.name);
-        let placed = map.placed.iter().flat_map(|placed| &placed.cells);
-        let placed = placed.filter(|cell| Some(cell.way) == index && !cell.is_consistent);
-        let suspect: BTreeSet<i64> = placed.map(|cell| cell.number).collect();
-        shaded_ranges(way.rows.iter().map(|row| {
-            let number = (row.distance_m / GRID_M).round() as i64;
-            (row.distance_m * 1e-3, suspect.contains(&number))
-        }))
-    };
-    map.ways.iter().map(of_way).collect()
+/// Returns the stretches of a way in which signals of a run disagree, km.
+fn suspect_stretches(map: &LogsMap, way: &WayRows) -> Vec<(f64, f64)> {
+    let placed = map
+        .placed
+        .iter()
+        .flat_map(|placed| placed_on(map, placed, way));
+    let suspect = placed.filter(|cell| !cell.is_consistent);
+    let suspect: BTreeSet<i64> = suspect.map(|cell| cell.number).collect();
+    shaded_ranges(way.rows.iter().map(|row| {
+        let number = (row.distance_m / GRID_M).round() as i64;
+        (row.distance_m * 1e-3, suspect.contains(&number))
+    }))
+}
+
+/// Returns the cells of a run on a way.
+fn placed_on<'a>(
+    map: &LogsMap<'a>,
+    placed: &'a PlacedRun,
+    way: &WayRows,
+) -> impl Iterator<Item = &'a PlacedCell> {
+    let index = map.network.ways().iter().position(|of| of.name == way.name);
+    placed
+        .cells
+        .iter()
+        .filter(move |cell| Some(cell.way) == index)
 }
 
 fn runs_section(map: &LogsMap) -> Section {
@@ -135,7 +146,6 @@ fn runs_section(map: &LogsMap) -> Section {
 
 /// Returns the figure of the grades of each run along a way.
 fn runs_figure(map: &LogsMap, number: usize, way: &WayRows) -> Figure {
-    let index = map.network.ways().iter().position(|of| of.name == way.name);
     let name = way
         .name
         .as_ref()
@@ -143,8 +153,7 @@ fn runs_figure(map: &LogsMap, number: usize, way: &WayRows) -> Figure {
     let mut plot = Plot::profile("grade (%)", map_page::link(way));
     let mut left_out = 0;
     for (run, placed) in map.runs.iter().zip(map.placed) {
-        let cells = placed.cells.iter().filter(|cell| Some(cell.way) == index);
-        let points: Vec<(f64, f64)> = cells
+        let points: Vec<(f64, f64)> = placed_on(map, placed, way)
             .map(|cell| (cell.number as f64 * GRID_M * 1e-3, cell.grade_percent))
             .collect();
         if points.is_empty() {

@@ -6,6 +6,7 @@ use crate::report::page::{Figure, Page, Section, Table};
 use crate::report::plan::{Colouring, Plan, PlanLine, PlanPoint};
 use crate::report::plot::{Plot, colour};
 use crate::report::profile::ProfilePoint;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Largest number of profiles; the longest ways have one.
@@ -20,27 +21,28 @@ pub(super) fn link(way: &WayRows) -> String {
         .map_or_else(|| "road".to_owned(), |name| format!("way {name}"))
 }
 
-/// Creates the page of a map. `suspect` are stretches to shade, of a way by its index, km. A cell
-/// without a position is not on the plan.
-pub(crate) fn page(file: &Path, ways: &[WayRows], suspect: &[Vec<(f64, f64)>]) -> Page {
-    let mut longest: Vec<(usize, &WayRows)> = ways.iter().enumerate().collect();
+/// Creates the page of a map. `suspect` returns the stretches of a way to shade, km. A cell without a
+/// position is not on the plan.
+pub(crate) fn page(
+    file: &Path,
+    ways: &[WayRows],
+    suspect: impl Fn(&WayRows) -> Vec<(f64, f64)>,
+) -> Page {
+    let mut longest: Vec<&WayRows> = ways.iter().collect();
     // Stable sort: ways of equal length stay in the order of their names.
-    longest.sort_by_key(|(_, way)| std::cmp::Reverse(way.rows.len()));
+    longest.sort_by_key(|way| std::cmp::Reverse(way.rows.len()));
     let drawn = &longest[..longest.len().min(MOST_PROFILES)];
     let numbered = drawn.iter().enumerate();
-    let profile = |(number, (index, way)): (usize, &(usize, &WayRows))| {
-        profile_section(number, way, suspect.get(*index).map_or(&[], Vec::as_slice))
-    };
+    let profile = |(number, way): (usize, &&WayRows)| profile_section(number, way, &suspect(way));
     let mut sections: Vec<Section> = numbered.map(profile).collect();
     sections.extend(plan_section(ways));
-    let longest: Vec<&WayRows> = longest.into_iter().map(|(_, way)| way).collect();
     if ways.len() > 1 {
         sections.push(table_section(&longest));
     }
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
     Page {
         title: format!("Grade map: {name}"),
-        lead: lead(ways, longest.len().min(MOST_PROFILES)),
+        lead: lead(ways, drawn.len()),
         sections,
     }
 }
@@ -75,8 +77,9 @@ fn km(cells: usize) -> f64 {
 
 /// Returns the section of the plan; `None` where no cell has a position.
 fn plan_section(ways: &[WayRows]) -> Option<Section> {
-    let ways: Vec<WayRows> = ways.iter().map(with_positions).collect();
-    let middle = middle(ways.iter().flat_map(|way| &way.rows))?;
+    let placed = placed(ways);
+    let rows = || placed.iter().flat_map(|way| &way.rows);
+    let middle = rows().nth(rows().count() / 2)?;
     let directions = if ways.len() > 1 {
         " Each way is drawn slightly to the right of its position."
     } else {
@@ -86,28 +89,31 @@ fn plan_section(ways: &[WayRows]) -> Option<Section> {
         "From above, north up. Grade in the direction of travel; uphill is positive.{directions} A \
          point under the pointer shows in the profile, and the other way round."
     );
-    let (latitude, longitude) = middle;
+    let (latitude, longitude) = (middle.latitude_deg, middle.longitude_deg);
     let url = format!(
         "https://www.openstreetmap.org/?mlat={latitude:.5}&mlon={longitude:.5}#map=13/{latitude:.5}/{longitude:.5}"
     );
-    let figure = Figure::plan("plan", plan(&ways), caption);
+    let figure = Figure::plan("plan", plan(&placed), caption);
     let figure = figure.with_link(url, "Open its middle on openstreetmap.org.");
     Some(Section::new("Plan").figure(figure))
 }
 
-fn with_positions(way: &WayRows) -> WayRows {
-    let is_placed = |row: &&MapRow| row.latitude_deg.is_finite() && row.longitude_deg.is_finite();
-    WayRows {
-        name: way.name.clone(),
-        rows: way.rows.iter().filter(is_placed).cloned().collect(),
+/// Returns the ways with the cells that have a position: all of them in a map, some in a run.
+fn placed(ways: &[WayRows]) -> Cow<'_, [WayRows]> {
+    let is_placed = |row: &MapRow| row.latitude_deg.is_finite() && row.longitude_deg.is_finite();
+    if ways.iter().flat_map(|way| &way.rows).all(is_placed) {
+        return ways.into();
     }
-}
-
-/// Returns latitude and longitude of the row in the middle, °.
-fn middle<'a>(rows: impl Iterator<Item = &'a MapRow>) -> Option<(f64, f64)> {
-    let rows: Vec<&MapRow> = rows.collect();
-    let row = rows.get(rows.len() / 2)?;
-    Some((row.latitude_deg, row.longitude_deg))
+    let part = |way: &WayRows| WayRows {
+        name: way.name.clone(),
+        rows: way
+            .rows
+            .iter()
+            .filter(|row| is_placed(row))
+            .cloned()
+            .collect(),
+    };
+    ways.iter().map(part).collect()
 }
 
 /// Returns the plan of a map, coloured by grade, sigma or number of runs.

@@ -1,11 +1,22 @@
 //! Whether drives are to be trusted: the first words of a page, and the section behind them.
 
+use super::page::Page;
 use super::section::{Note, Section};
 use crate::recorder::{RunSummary, Warning};
 
-/// Returns in a sentence whether these runs are to be trusted.
+/// Returns the page with the verdict on these runs before its lead, and behind it what is wrong, if
+/// anything is.
 #[must_use]
-pub fn verdict(runs: &[(&str, &RunSummary)]) -> String {
+pub fn with_verdict(mut page: Page, runs: &[(&str, &RunSummary)], wrong: Section) -> Page {
+    page.lead = format!("{} {}", verdict(runs), page.lead);
+    if !wrong.notes.is_empty() {
+        page.sections.insert(0, wrong);
+    }
+    page
+}
+
+/// Returns in a sentence whether these runs are to be trusted.
+fn verdict(runs: &[(&str, &RunSummary)]) -> String {
     match (runs.len(), suspect(runs).count()) {
         (1, 0) => "Consistent: the signals agree with each other and with the vehicle.".to_owned(),
         (_, 0) => "Consistent: the signals of each run agree with each other and with the vehicle."

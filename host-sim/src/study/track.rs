@@ -4,7 +4,7 @@
 //! model. The reference is the mean grade of eleven laps by the truck's own GNSS, by place on the lap.
 
 mod estimates;
-mod laps;
+pub mod laps;
 mod place_effects;
 
 use super::definition::{Setting, Study, StudyOutcome};

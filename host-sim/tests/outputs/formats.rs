@@ -130,14 +130,19 @@ fn maps_as_kml_and_gpx_have_every_cell() {
     assert!(pieces.matches("<Placemark>").count() >= 15);
 }
 
+/// Estimates the drive with a page. Returns the page.
+fn page_of_drive(at: &Path, options: &[&str]) -> String {
+    let mut arguments = vec!["estimate", "--vehicle", "v.toml", "--out", "r.csv"];
+    arguments.extend(["--page", "r.html", "d.log"]);
+    arguments.extend(options);
+    done(at, &arguments);
+    fs::read_to_string(at.join("r.html")).unwrap()
+}
+
 #[test]
 fn a_page_draws_a_single_run() {
     let folder = drive();
-    let at = folder.path();
-    let mut arguments = vec!["estimate", "--vehicle", "v.toml", "--out", "r.csv"];
-    arguments.extend(["--page", "r.html", "d.log"]);
-    done(at, &arguments);
-    let page = fs::read_to_string(at.join("r.html")).unwrap();
+    let page = page_of_drive(folder.path(), &[]);
     assert!(
         page.contains("<svg") || page.contains("<script"),
         "no figure"
@@ -150,11 +155,8 @@ fn a_page_draws_a_single_run() {
 fn a_page_draws_a_run_without_positions() {
     let folder = drive();
     let at = folder.path();
-    let mut arguments = vec!["estimate", "--vehicle", "v.toml", "--out", "r.csv"];
-    arguments.extend(["--page", "r.html", "d.log"]);
-    arguments.extend(["--ignore", "latitude_deg", "--ignore", "longitude_deg"]);
-    done(at, &arguments);
-    let page = fs::read_to_string(at.join("r.html")).unwrap();
+    let options = ["--ignore", "latitude_deg", "--ignore", "longitude_deg"];
+    let page = page_of_drive(at, &options);
     assert!(page.contains("Along the road") && !page.contains("\"kind\":\"plan\""));
     assert!(
         fs::read_to_string(at.join("r.csv"))

@@ -1,6 +1,6 @@
 //! Tables of errors: the results of commands and studies.
 
-use super::pipe_table::pipe_table;
+use super::pipe_table::{pipe_table, table_as_it_is};
 use clap::Parser;
 use host_sim::cli::Cli;
 use host_sim::error::{Error, Result};
@@ -366,6 +366,13 @@ pub(super) fn of_rows<const N: usize>(
         let rows = table.rows.iter().map(|cells| row(cells));
         let rows = rows.collect::<Result<Vec<_>>>()?;
         Ok(pipe_table(header, rows))
+    })
+}
+
+/// Makes the text of one table of a study as it is.
+pub(super) fn whole_table(study: &str, name: &str) -> Result<Option<String>> {
+    of_table(study, name, |table| {
+        Ok(table_as_it_is(&table.header, &table.rows))
     })
 }
 

@@ -6,14 +6,24 @@ pub fn pipe_table<const N: usize>(
     header: [&str; N],
     rows: impl IntoIterator<Item = [String; N]>,
 ) -> String {
-    let line = |cells: &[String; N]| {
-        let cells = cells.each_ref().map(|cell| cell.replace('|', "\\|"));
-        format!("| {} |\n", cells.join(" | "))
-    };
-    let mut table = line(&header.map(str::to_owned));
-    table += &format!("|{}\n", "---|".repeat(N));
-    table.extend(rows.into_iter().map(|row| line(&row)));
+    let rows: Vec<[String; N]> = rows.into_iter().collect();
+    table_as_it_is(&header, &rows)
+}
+
+/// Returns a table of rows that are as wide as the header.
+pub fn table_as_it_is(header: &[impl AsRef<str>], rows: &[impl AsRef<[String]>]) -> String {
+    let mut table = line(header);
+    table += &format!("|{}\n", "---|".repeat(header.len()));
+    table.extend(rows.iter().map(|row| line(row.as_ref())));
     table
+}
+
+fn line(cells: &[impl AsRef<str>]) -> String {
+    let cells: Vec<String> = cells
+        .iter()
+        .map(|cell| cell.as_ref().replace('|', "\\|"))
+        .collect();
+    format!("| {} |\n", cells.join(" | "))
 }
 
 /// Returns a whole number with a comma for each three digits: 63,688.

@@ -1,6 +1,6 @@
 //! Tables of studies on the measured road and on structures.
 
-use super::measured_tables::{of_rows, unexpected};
+use super::measured_tables::{of_rows, unexpected, whole_table};
 use host_sim::error::Result;
 
 /// Makes the table of the thesis's runs on its own road, over campaigns.
@@ -47,52 +47,22 @@ pub fn e4_convergence() -> Result<Option<String>> {
 
 /// Makes the table of the truck on a track.
 pub fn track() -> Result<Option<String>> {
-    let header = [
-        "estimate",
-        "100 m %",
-        "300 m %",
-        "600 m %",
-        "100 m: repeats by place %",
-        "does not %",
-        "NEES, 300 m",
-    ];
-    of_rows("track", "track_errors", header, all)
+    whole_table("track", "track_errors")
 }
 
 /// Makes the table of what explains its errors.
 pub fn track_effects() -> Result<Option<String>> {
-    let header = ["estimate", "effect", "amount %", "before %", "after %"];
-    of_rows("track", "track_effects", header, all)
+    whole_table("track", "track_effects")
 }
 
 /// Makes the table of structures.
 pub fn bridges() -> Result<Option<String>> {
-    let header = [
-        "structure",
-        "length m",
-        "ground m",
-        "terrain %",
-        "largest %",
-        "clamped %",
-        "straight line %",
-        "A, one run %",
-        "B, one run %",
-    ];
-    of_rows("bridges", "bridges_terrain", header, all)
+    whole_table("bridges", "bridges_terrain")
 }
 
 /// Makes the table of the measured bus beside terrain.
 pub fn bridges_bus() -> Result<Option<String>> {
-    let header = [
-        "direction",
-        "slope over m",
-        "terrain minus ours, RMS %",
-        "largest %",
-        "beyond 3 %: part of the way %",
-        "clamped minus ours, RMS %",
-        "spread of our passes %",
-    ];
-    of_rows("bridges", "bridges_bus", header, all)
+    whole_table("bridges", "bridges_bus")
 }
 
 fn all<const N: usize>(row: &[String]) -> Result<[String; N]> {

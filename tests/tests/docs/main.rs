@@ -122,7 +122,7 @@ fn the_readme_is_short() {
     assert!(lines <= 120, "{lines} lines: at most 120");
 }
 
-/// A book that nobody finishes is not read. The goal is 40,000.
+/// Bounds the words of README and docs. The goal is 40,000.
 #[test]
 fn the_pages_do_not_grow() {
     let is_read = |page: &&Page| {

@@ -26,7 +26,8 @@ struct TrueGrade {
 }
 
 /// The laps of a drive.
-pub(super) struct Laps {
+#[derive(Clone, Debug)]
+pub struct Laps {
     /// Driven distances at which laps begin, and at which the last one ends, m.
     starts_m: Vec<f64>,
     /// Grade, %, over the place on the lap, m.
@@ -45,7 +46,11 @@ pub(super) struct LapError {
 }
 
 impl Laps {
-    pub(super) fn read(folder: &Path) -> Result<Self> {
+    /// Reads lap_starts.csv and truth.csv of a folder.
+    ///
+    /// # Errors
+    /// Returns an error if a file cannot be read, or has too little.
+    pub fn read(folder: &Path) -> Result<Self> {
         let starts: Vec<LapStart> = read_csv(&folder.join("lap_starts.csv"))?;
         let truth = folder.join("truth.csv");
         let grades: Vec<TrueGrade> = read_csv(&truth)?;
@@ -70,20 +75,37 @@ impl Laps {
         self.grades.last().map_or(0.0, |last| last.0)
     }
 
+    /// Returns the lap, from 0, and the place on it, m; `None` beyond the laps.
+    fn place(&self, driven_m: f64) -> Option<(usize, f64)> {
+        let begun = self
+            .starts_m
+            .partition_point(|start_m| *start_m <= driven_m);
+        let lap = begun.checked_sub(1).filter(|lap| *lap < self.count())?;
+        Some((lap, driven_m - self.starts_m[lap]))
+    }
+
+    /// Returns the true grade, %, at a place. A lap is a few metres longer than the table.
+    fn true_percent(&self, place_m: f64) -> Option<f64> {
+        linear(&self.grades, place_m.min(self.length_m()))
+    }
+
+    /// Returns the true grade, %, at a driven distance; `None` beyond the laps.
+    #[must_use]
+    pub fn grade_percent(&self, driven_m: f64) -> Option<f64> {
+        let (_, place_m) = self.place(driven_m)?;
+        self.true_percent(place_m)
+    }
+
     /// Returns the errors of windows of this length on each lap, in order.
     pub(super) fn errors(&self, cells: &[EstimatedCell], length_m: f64) -> Vec<LapError> {
         let windows = (self.length_m() / length_m) as usize;
         let mut sums: BTreeMap<(usize, usize), (f64, f64, f64)> = BTreeMap::new();
         for cell in cells.iter().filter(|cell| cell.driven_m > FROM_M) {
-            let begun = self
-                .starts_m
-                .partition_point(|start_m| *start_m <= cell.driven_m);
-            let Some(lap) = begun.checked_sub(1).filter(|lap| *lap < self.count()) else {
+            let Some((lap, place_m)) = self.place(cell.driven_m) else {
                 continue;
             };
-            let place_m = cell.driven_m - self.starts_m[lap];
             let window = (place_m / length_m) as usize;
-            let Some(grade_percent) = linear(&self.grades, place_m).filter(|_| window < windows)
+            let Some(grade_percent) = self.true_percent(place_m).filter(|_| window < windows)
             else {
                 continue;
             };
